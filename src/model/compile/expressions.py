@@ -117,6 +117,8 @@ class Expressions:
                 return value.items[fields.index(name)]
             if name == "_replace" and fields:
                 return Static(_Method(value, name))
+            if name in vars(value.made_by or object):  # an attribute of the class
+                return Static(getattr(value.made_by, name))
         elif isinstance(value, Array):
             if name == "shape":
                 return Group(None, tuple(map(length_of, value.lengths)))

@@ -24,6 +24,7 @@ class VectorWriter:
         self.lines = [
             f"declare {_VECTOR} @llvm.fmuladd.v{WIDTH}f64({_VECTOR}, {_VECTOR}, {_VECTOR})",
             f"declare {_VECTOR} @llvm.fabs.v{WIDTH}f64({_VECTOR})",
+            f"declare {_VECTOR} @llvm.sqrt.v{WIDTH}f64({_VECTOR})",
             f"define void @{name}({arguments}) nounwind {{",
         ]
         self.begin("entry")

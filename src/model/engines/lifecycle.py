@@ -122,9 +122,10 @@ def period_length(p):
 
 
 @kernel
-def _note_end_of_period(runs, i):
+def _note_end_of_period(scene, runs, i):
     """Set the next stop: the end of the present period or, if earlier, of the run."""
-    next_period = (runs[i, AT.periods] + 1.0) * period_length(constants_of(runs, i))
+    length = period_length(constants_of(scene.events, runs, i))
+    next_period = (runs[i, AT.periods] + 1.0) * length
     runs[i, AT.stop] = min(next_period, runs[i, AT.deadline])
 
 
@@ -136,7 +137,8 @@ def _end(scene, runs, i, outcome, reason):
             outcome, reason = OUTCOME.ALIGNED, REASON.NONE
         else:
             q, mode = state_in(runs, STATE, i), mode_of(runs, i)
-            outcome, reason = end_in_slot(outcome, reason, q, constants_of(runs, i), mode)
+            p = constants_of(scene.events, runs, i)
+            outcome, reason = end_in_slot(outcome, reason, q, p, mode)
     if outcome == OUTCOME.INSERTED:
         runs[i, AT.tau_inserted] = runs[i, AT.time] - runs[i, AT.tau_align]
     runs[i, AT.outcome], runs[i, AT.reason] = outcome, reason
@@ -156,7 +158,7 @@ def begin(row, tolerance, scene, control, runs, i):
     """
     for k in range(runs.shape[1]):
         runs[i, k] = row[k] if k < CONSTANTS else 0.0
-    p = constants_of(runs, i)
+    p = constants_of(scene.events, runs, i)
     runs[i, AT.tolerance], runs[i, AT.deadline] = tolerance, control.horizon
     runs[i, AT.outcome], runs[i, AT.next_step] = CONTINUES, _FIRST_STEP
     known = 0.0 if control.carries_error != 0.0 else nan
@@ -182,7 +184,7 @@ def begin(row, tolerance, scene, control, runs, i):
             fail(scene, runs, i, REASON.NO_FRICTION_SOLUTION)
     store_state(q, runs, i)
     store_mode(mode, runs, i)
-    _note_end_of_period(runs, i)
+    _note_end_of_period(scene, runs, i)
     if runs[i, AT.outcome] == CONTINUES and _starts_past_the_end(q, p, mode):
         apply_event(scene.events.face_end, 0.0, _FIRST_STEP, scene, control, runs, i)
 
@@ -202,7 +204,7 @@ def is_counted(mode, p):
 
 
 @kernel
-def note_step(length, tilt, force, runs, i):
+def note_step(scene, length, tilt, force, runs, i):
     """Record an accepted step, with its largest |tilt| and normal force.
 
     After the fall into the slot only the largest force on its sides counts. ``max`` returns its
@@ -210,7 +212,7 @@ def note_step(length, tilt, force, runs, i):
     """
     mode = mode_of(runs, i)
     runs[i, AT.steps] += 1.0
-    if is_counted(mode, constants_of(runs, i)):
+    if is_counted(mode, constants_of(scene.events, runs, i)):
         runs[i, AT.tilt_max] = max(runs[i, AT.tilt_max], tilt)
         runs[i, AT.contact_force_max] = max(runs[i, AT.contact_force_max], force)
         if mode.support_slip == STICKING and is_supported(mode):
@@ -241,7 +243,7 @@ def _note_alignment(scene, is_inside, tilt, printed_criterion, control, runs, i)
     elif not printed_criterion and isnan(runs[i, AT.tau_align]):
         deadline = min(runs[i, AT.deadline], time + _FALL_TIME)
         runs[i, AT.deadline] = time + control.horizon if inserts else deadline
-        _note_end_of_period(runs, i)
+        _note_end_of_period(scene, runs, i)
     if printed_criterion == is_inside and isnan(runs[i, AT.tau_align]):
         runs[i, AT.tau_align], runs[i, AT.tilt_at_alignment] = time, tilt
     if control.alignment_only != 0.0 and not printed_criterion:
@@ -250,7 +252,7 @@ def _note_alignment(scene, is_inside, tilt, printed_criterion, control, runs, i)
 
 
 @kernel
-def skip_chatter(before, runs, i):
+def skip_chatter(scene, before, runs, i):
     """Advance by a moment without event location, if the two modes agree within the tolerance.
 
     On a hard base, rounding of a length causes a load. A contact or slip near zero then alternates
@@ -258,7 +260,7 @@ def skip_chatter(before, runs, i):
     the two modes differ by more than a step's tolerance, the run stays where it is; it fails after
     too many events.
     """
-    time, p, mode = runs[i, AT.time], constants_of(runs, i), mode_of(runs, i)
+    time, p, mode = runs[i, AT.time], constants_of(scene.events, runs, i), mode_of(runs, i)
     q, tolerance = state_in(runs, STATE, i), runs[i, AT.tolerance]
     moment = _SHORTEST_STEP * 2.0 ** (runs[i, AT.events_at_once] - _SEVERAL_AT_ONCE)
     if time + moment >= runs[i, AT.stop]:
@@ -282,7 +284,7 @@ def apply_event(which, length, step, scene, control, runs, i):
 
     ``length`` is the time from the last step to the event, ``step`` the length of the whole step.
     """
-    time, p, before = runs[i, AT.time], constants_of(runs, i), mode_of(runs, i)
+    time, p, before = runs[i, AT.time], constants_of(scene.events, runs, i), mode_of(runs, i)
     runs[i, AT.events] += 1.0
     runs[i, MADE + which], runs[i, AT.last_event] = 1.0, which + 1.0
     at_once = length <= 1e-13 * max(1.0, time)
@@ -304,7 +306,7 @@ def apply_event(which, length, step, scene, control, runs, i):
     if outcome != CONTINUES:
         _end(scene, runs, i, outcome, reason)
     elif runs[i, AT.events_at_once] > _SEVERAL_AT_ONCE:
-        skip_chatter(before, runs, i)
+        skip_chatter(scene, before, runs, i)
 
 
 @kernel
@@ -320,7 +322,7 @@ def _compare_periods(scene, periods, history, settling_noise, runs, i):
                 runs[i, CLOSEST + which] = NEVER
         record_closest(periods, runs[i, CLOSEST : CLOSEST + scene.events.count], lowest)
     noise = max(settling_noise, NOISE * runs[i, AT.tolerance])
-    p = constants_of(runs, i)
+    p = constants_of(scene.events, runs, i)
     length = period_length(p)
     period = settled_period(scene.events, periods, length, states, lowest, p, noise)
     if period > 0:
@@ -337,7 +339,7 @@ def end_period(scene, history, settling_noise, runs, i):
     """Count a completed period; end the run if it may settle and its motion is periodic."""
     periods = int(runs[i, AT.periods]) + 1
     runs[i, AT.periods] = periods
-    _note_end_of_period(runs, i)
+    _note_end_of_period(scene, runs, i)
     if settling_noise > 0.0:
         _compare_periods(scene, periods, history, settling_noise, runs, i)
 

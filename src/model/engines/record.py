@@ -47,9 +47,9 @@ SIZE = MADE + MOST_EVENTS
 
 
 @inlined_kernel
-def constants_of(runs, i):
-    """Return the ``Constants`` of run ``i``."""
-    return Constants(*(runs[i, n] for n in range(CONSTANTS)))
+def constants_of(events, runs, i):
+    """Return the constants of run ``i``: of a plane part or a round one, as ``events`` say."""
+    return events.constants(*(runs[i, n] for n in range(CONSTANTS)))
 
 
 @inlined_kernel
@@ -85,9 +85,9 @@ def is_watched(runs, i):
 
 
 @inlined_kernel
-def constants_in(row):
-    """Return the ``Constants`` in ``row``, shape (constants,)."""
-    return Constants(*(row[n] for n in range(CONSTANTS)))
+def constants_in(events, row):
+    """Return the constants in ``row``, shape (constants,); see ``constants_of``."""
+    return events.constants(*(row[n] for n in range(CONSTANTS)))
 
 
 @inlined_kernel

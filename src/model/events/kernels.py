@@ -12,10 +12,11 @@ from typing import Any, NamedTuple
 from model.compile.kernels import Symbol, inlined_kernel, kernel, separate_kernel
 from model.events import event_functions as functions
 from model.events.event_functions import NEVER, largest
+from model.events.round_parts import RIGHT_TIPS, with_tips
 from model.events.scenes import Declared, Scene
 from model.events.table import OF_LENGTH, PLACES_OF_FORCES, Event, Source, Table
 from model.physics.modes import START
-from model.physics.parameters import Constants
+from model.physics.parameters import Constants, RoundConstants
 
 MOST_EVENTS = 44  # capacity of records and histories
 MOST_SAMPLES = 2 * MOST_EVENTS
@@ -49,6 +50,7 @@ class Events:
             forces there.
         corners_inside: number of "corners_inside"; face_end: of "face_end".
         inserts: True if runs continue after alignment until the part is inserted.
+        constants: class of the constants: ``RoundConstants`` for a round part.
     """
 
     all: tuple[Numbered, ...]
@@ -59,6 +61,7 @@ class Events:
     corners_inside: int
     face_end: int
     inserts: bool
+    constants: type[Constants]
 
     @property
     def count(self) -> int:
@@ -134,12 +137,14 @@ def events_of(table: Table) -> Events:
         corners_inside=names.index("corners_inside"),
         face_end=names.index("face_end"),
         inserts="inserted" in names,
+        constants=RoundConstants if RIGHT_TIPS in names else Constants,
     )
 
 
-def in_kernels(scene: Scene) -> SceneEvents:
-    """Return the scene in the form that kernels take."""
-    return SceneEvents(scene.declared, events_of(scene.events))
+def in_kernels(scene: Scene, is_round: bool = False) -> SceneEvents:
+    """Return the scene, of plane or of round parts, in the form that kernels take."""
+    table = with_tips(scene.events) if is_round else scene.events
+    return SceneEvents(scene.declared, events_of(table))
 
 
 # ------------------------------------------------------------------------------------------ samples

@@ -101,12 +101,14 @@ def _has_fallen_in(_p, mode):
 
 
 @inlined_kernel
-def _right_edge_is_free(_p, mode):
+def right_edge_is_free(_p, mode):
+    """Return whether A1 is neither under the bottom face nor behind the right side face."""
     return _no_face(RIGHT_EDGE, mode)
 
 
 @inlined_kernel
-def _left_edge_is_free(_p, mode):
+def left_edge_is_free(_p, mode):
+    """Return whether A2 is neither under the bottom face nor behind the side face."""
     return _no_face(LEFT_EDGE, mode) and mode.side == OPEN
 
 
@@ -165,7 +167,8 @@ def _corner_first(edge, at, p, mode):
     A part that is flat, to ``FLAT``, meets both together: then the edge carries it.
     """
     _, place = functions.largest(functions.corner_off_wall(edge, at, p, mode))
-    gap, _ = functions.largest(functions.edge_outside(edge, at, p, mode))
+    outside = functions.tips_outside if p.is_round else functions.edge_outside
+    gap, _ = functions.largest(outside(edge, at, p, mode))
     return place == 0.0 or gap > functions.ON_AN_EVENT + 2.0 * functions.FLAT * p.half_width
 
 
@@ -227,11 +230,11 @@ CONDITIONS: Table = (
     ),
     # An edge enters the part.
     Event(
-        "right_edge_enters", PLACES, ((_right_edge_is_free, functions.right_edge_outside),),
+        "right_edge_enters", PLACES, ((right_edge_is_free, functions.right_edge_outside),),
         transitions.right_edge_enters,
     ),
     Event(
-        "left_edge_enters", PLACES, ((_left_edge_is_free, functions.left_edge_outside),),
+        "left_edge_enters", PLACES, ((left_edge_is_free, functions.left_edge_outside),),
         transitions.left_edge_enters, start=-START_TOLERANCE,
     ),
     # A bottom corner presses on the flat base.

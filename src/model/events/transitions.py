@@ -7,10 +7,14 @@ and the contacts that the scene declares.
 from typing import Any, NamedTuple
 
 from model.compile.kernels import inlined_kernel, kernel
-from model.events.event_functions import corner_positions, edge_inside, on_both_sides
+from model.events.event_functions import (
+    corner_positions,
+    edge_inside,
+    on_both_sides,
+)
 from model.events.friction import decide_friction, sign
 from model.events.outcomes import OUTCOME, REASON
-from model.physics.contacts import contact_load, corner_on_flat, edge_on_face, edge_on_side
+from model.physics.contacts import contact_load, corner_on_flat, edge_on_side, support_on_face
 from model.physics.geometry import bottom_corner, edge_place
 from model.physics.modes import (
     CLOSED,
@@ -104,17 +108,23 @@ def _on_edges(mode):
 
 
 @kernel
+def face_lands(edge, time, q, p, mode, declared):
+    """Begin the contact of the bottom face with an edge, or with the tips over it."""
+    if not declared.edge_on_face:
+        return mode, OUTCOME.LEFT_SCENE, REASON.UNDECLARED_CONTACT
+    if mode.edge != edge and (mode.face != OPEN or mode.corner != OPEN):
+        return mode, OUTCOME.LEFT_SCENE, REASON.BOTH_SIDES
+    state = touching(0.0, support_on_face(edge, q, p), q, p)
+    met = _on_edges(mode)._replace(edge=edge, face=state)
+    return decided(time, q, p, met, False, False)
+
+
+@kernel
 def edge_enters(edge, time, q, p, mode, declared):
     """Begin the contact of an edge with the face behind which it is least deep in the part."""
     bottom, left, right, top = edge_inside(edge, corner_positions(q, p), p)
     if bottom <= min(left, min(right, top)):
-        if not declared.edge_on_face:
-            return mode, OUTCOME.LEFT_SCENE, REASON.UNDECLARED_CONTACT
-        if mode.edge != edge and (mode.face != OPEN or mode.corner != OPEN):
-            return mode, OUTCOME.LEFT_SCENE, REASON.BOTH_SIDES
-        state = touching(0.0, edge_on_face(edge, q, p), q, p)
-        met = _on_edges(mode)._replace(edge=edge, face=state)
-        return decided(time, q, p, met, False, False)
+        return face_lands(edge, time, q, p, mode, declared)
     if edge == LEFT_EDGE and left <= min(right, top):
         if not declared.edge_on_side:
             return mode, OUTCOME.LEFT_SCENE, REASON.UNDECLARED_CONTACT
@@ -124,6 +134,7 @@ def edge_enters(edge, time, q, p, mode, declared):
 
 
 right_edge_enters, left_edge_enters = on_both_sides(edge_enters)
+right_tips_enter, left_tips_enter = on_both_sides(face_lands)
 
 
 @kernel
@@ -196,7 +207,7 @@ def of_contact(depth: Any, put: Any) -> OfContact:
 
 @inlined_kernel
 def _face_depth(q, p, mode):
-    return edge_on_face(mode.edge, q, p).depth
+    return support_on_face(mode.edge, q, p).depth
 
 
 @inlined_kernel

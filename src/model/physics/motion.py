@@ -9,8 +9,8 @@ from model.physics.contacts import (
     corner_on_flat,
     corner_on_wall,
     dot,
-    edge_on_face,
     edge_on_side,
+    support_on_face,
 )
 from model.physics.forces import applied_forces
 from model.physics.modes import CLOSED, STICKING
@@ -134,7 +134,7 @@ def support_contact(q, p, mode):
         return _beside(RIGHT_EDGE, mode.face, mode.corner, mode.slip_at_corner, q, p)
     support = NO_CONTACT
     if mode.face == CLOSED:
-        face = edge_on_face(mode.edge, q, p)
+        face = support_on_face(mode.edge, q, p)
         support = _pressing(face, contact_load(face.depth, face.closing_rate, q, p))
     if mode.corner == CLOSED:
         corner = corner_on_flat(mode.edge, q, p)
@@ -171,7 +171,8 @@ def contact_rate(p, mode):
     width, height = p.half_width * p.half_width, p.half_height * p.half_height
     mobility = 0.0
     if is_supported(mode):
-        mobility += 1.0 + (height if mode.in_slot else width) / p.inertia
+        below = width + height if p.is_round else width
+        mobility += 1.0 + (height if mode.in_slot else below) / p.inertia
     if is_beside(mode):
         mobility += 1.0 + height / p.inertia
     return max(sqrt(p.contact_stiffness * mobility), p.contact_damping * mobility)

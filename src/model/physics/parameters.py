@@ -34,6 +34,8 @@ from model.physics.tables import described, entries, field_of, numbers
 from model.physics.variants import VARIANT_NAMES, Variants
 
 Bound = Literal["", "> 0", ">= 0"]
+Shape = Literal["round", "square"]
+"""Shape of the part and the hole: round, or the paper's plane one, of a square peg and a slot."""
 Table = TypeVar("Table")
 
 
@@ -226,9 +228,25 @@ class Constants(numbers("Constants", _CONSTANTS)):  # type: ignore[misc]
 
     Parameters keep their names, but ``slot_half_width`` replaces ``clearance``. Added are
     ``insertion_depth``, from the settings, and ``printed_*``, from the fields of ``Variants``.
+
+    Attributes:
+        is_round: True for a round part in a round hole, False for a plane one. Code is compiled for
+            one of them.
     """
 
     __slots__ = ()
+    is_round = False
+
+
+class RoundConstants(Constants):
+    """The ``Constants`` of a round part in a round hole.
+
+    ``half_width`` is the part's radius, ``slot_half_width`` that of the hole, and ``half_height``
+    the height of the mass centre over the bottom face.
+    """
+
+    __slots__ = ()
+    is_round = True
 
 
 class Given(numbers("Given", PARAMETER_NAMES)):  # type: ignore[misc]

@@ -1,11 +1,11 @@
-"""Sine and cosine as plain arithmetic, which a compiler can vectorise.
+"""Sine and cosine as plain arithmetic, which a compiler can vectorise, and the square root.
 
 A call of the system's mathematics library cannot be vectorised, and its last bits differ between
 systems. Reduction by π/2 in three parts after Cody and Waite, Software Manual for the Elementary
 Functions (1980), ch. 8; minimax polynomials on [-π/4, π/4] from fdlibm (Sun Microsystems, 1993).
 """
 
-from math import floor
+from math import floor, sqrt
 
 from model.compile.kernels import operation
 
@@ -39,3 +39,9 @@ def sine_cosine(angle):
         -sine if quadrant >= 2.0 else sine,
         -cosine if quadrant == 1.0 or quadrant == 2.0 else cosine,
     )
+
+
+@operation
+def square_root(value):
+    """Return the square root of ``value``."""
+    return sqrt(value)

@@ -47,7 +47,7 @@ def batch_engine(settings: Settings, cores: int = 1, *, carries_error: bool = Fa
     """Return the batch engine: many runs at a time, each with its error if ``carries_error``."""
     scene, control = settings.for_kernels
     control = control._replace(carries_error=float(carries_error))
-    lanes = lane_events_of(settings.scene.events)
+    lanes = lane_events_of(scene.events)
 
     def fill(rows: Array, tolerances: Array, queue: Queue, results: Array) -> None:
         memory = new_batch_memory(lanes, settings.may_settle)

@@ -65,7 +65,8 @@ def _run_one(scene: Scene) -> Any:
 
 def _run_many(scene: Scene) -> Any:
     """Make the kernel that runs any number of sets."""
-    events, lanes = in_kernels(scene), lane_events_of(scene.events)
+    events = in_kernels(scene)
+    lanes = lane_events_of(events.events)
     lanes = replace(lanes, series=lanes.series.resident())
 
     @kernel
@@ -108,7 +109,7 @@ def _declared() -> dict[str, _Declared]:
         "given": given, "limits": limits, "track": np.zeros((1, len(COLUMNS))),
         "results": results, "constants": np.zeros(_CONSTANTS), "memory": new_scalar_memory(),
     }  # fmt: skip
-    lanes = lane_events_of(ALIGNMENT.events)
+    lanes = lane_events_of(in_kernels(ALIGNMENT).events)
     many = {
         "given": given, "limits": limits, "results": results,
         "constants": np.zeros((1, _CONSTANTS)), "tolerances": np.zeros(1),

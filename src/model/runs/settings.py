@@ -13,7 +13,7 @@ from model.events.insertion import INSERTION
 from model.events.kernels import SceneEvents, in_kernels
 from model.events.outcomes import Outcome
 from model.events.scenes import ALIGNMENT, Scene
-from model.physics.parameters import Batch, Parameters, check_name
+from model.physics.parameters import Batch, Parameters, Shape, check_name
 from model.physics.rest import Start
 from model.physics.variants import Variants
 
@@ -27,6 +27,9 @@ class Settings:
 
     Attributes:
         readings: variants of the paper's equations.
+        shape: "round" for a round part in a round hole, "square" for the paper's plane one beside a
+            slot. A round part needs the consistent readings. None for the shape that the device's
+            file states, and "square" where it states none.
         scene: the contacts that are modelled; with ``INSERTION`` a run continues after alignment
             until the part is inserted, for the horizon once more.
         start: "simultaneous": the press and the vibration set in together, on a part that touches
@@ -51,6 +54,7 @@ class Settings:
     """
 
     readings: Variants = field(default_factory=Variants)
+    shape: Shape | None = None
     scene: Scene = ALIGNMENT
     start: Start | None = None
     insertion_depth: float | None = None
@@ -71,6 +75,12 @@ class Settings:
                 raise TypeError(f"{name} = {getattr(self, name)!r}: must be a {called}")
         if self.start is not None:
             check_name(self.start, get_args(Start), "start")
+        if self.shape is not None:
+            check_name(self.shape, get_args(Shape), "shape")
+        if self.shape == "round" and self.readings != Variants.consistent():
+            raise ValueError(
+                "shape = 'round': needs the consistent readings; choose them or 'square'"
+            )
         if self.start == "pressed" and self.readings != Variants.consistent():
             raise ValueError(
                 "start = 'pressed': needs the consistent readings; choose them or 'simultaneous'"
@@ -114,7 +124,7 @@ class Settings:
     @property
     def for_kernels(self) -> tuple[SceneEvents, Control]:
         """Scene and control in the form that kernels take."""
-        return in_kernels(self.scene), self.control
+        return in_kernels(self.scene, self.shape == "round"), self.control
 
     @property
     def control(self) -> Control:
@@ -136,6 +146,8 @@ class Stated(Protocol):
     def parameters(self) -> Parameters: ...  # noqa: D102
     @property
     def start(self) -> Start | None: ...  # noqa: D102
+    @property
+    def shape(self) -> Shape | None: ...  # noqa: D102
 
 
 def settings_with(settings: Settings | None, changes: dict[str, Any]) -> Settings:

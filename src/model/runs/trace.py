@@ -60,7 +60,7 @@ def integrate_trace(constants, tolerance, scene, control, track, results, memory
     i = 0
     begin(constants, tolerance, scene, control, runs, i)
     track_run(scene.events, track, work.scratch[0], runs, i)
-    p = constants_of(runs, i)
+    p = constants_of(scene.events, runs, i)
     _note_modes(mode_of(runs, i), 0.0, track, 0, 1, p)
     while runs[i, AT.outcome] == CONTINUES:
         first, events, before = int(runs[i, AT.tracked]), runs[i, AT.events], mode_of(runs, i)

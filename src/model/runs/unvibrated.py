@@ -67,7 +67,8 @@ def unvibrated_results(
     """Return the results in ``UNVIBRATED_CONTROL`` of the sets of ``batch``, each of shape (n,)."""
     found, tilts = unvibrated(batch, settings, cores, engine), np.full(len(batch), np.nan)
     if settings.readings == Variants.consistent():  # physics/rest.py has no printed variants
-        _rests(batch.constants(settings.readings), tilts)
+        scene, _ = settings.for_kernels
+        _rests(scene.events, batch.constants(settings.readings), tilts)
     return {"unvibrated": found.outcome, "unvibrated_tilt": found.tilt, "slow_tilt": tilts}
 
 
@@ -86,10 +87,10 @@ def unvibrated_words(
 
 
 @kernel
-def _rest_of_each(rows, tilts):
+def _rest_of_each(events, rows, tilts):
     """Write the tilts of parts that rest under a slow press into ``tilts``."""
     for row in range(rows.shape[0]):
-        rest = rest_under_press(constants_in(rows[row]))
+        rest = rest_under_press(constants_in(events, rows[row]))
         if rest.found:
             tilts[row] = rest.tilt
 

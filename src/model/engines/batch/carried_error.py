@@ -98,7 +98,7 @@ def apply_saltation(events, which, q, before, runs, i):
 
     ``q`` and ``before`` are its state at the event and its mode before it.
     """
-    time, p, after = runs[i, AT.time], constants_of(runs, i), mode_of(runs, i)
+    time, p, after = runs[i, AT.time], constants_of(events, runs, i), mode_of(runs, i)
     error = state_in(runs, ERROR, i)
     size = _size(error)
     if not 0.0 < size < inf or _is_continuous(kind_of(events, which), before, after):
@@ -123,7 +123,7 @@ def error_of_time(events, which, q, before, runs, i):
     Contributions of the components of the state are summed by size: their errors are estimates, and
     need not cancel.
     """
-    time, p, error = runs[i, AT.time], constants_of(runs, i), state_in(runs, ERROR, i)
+    time, p, error = runs[i, AT.time], constants_of(events, runs, i), state_in(runs, ERROR, i)
     across = 0.0
     for n in range(STATE_SIZE):
         unit = State(*(float(n == each) for each in range(STATE_SIZE)))

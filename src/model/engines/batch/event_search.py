@@ -304,7 +304,7 @@ def crossing(lanes, which, until, series, w, lane):
 def _search_dense_output(events, w, lane, runs, search, i):
     """(which, θ) of the first event, by the reference engine's location on the dense output."""
     time, h = runs[i, AT.time], w[STEP_LENGTH * WIDTH + lane]
-    p, mode = constants_of(runs, i), mode_of(runs, i)
+    p, mode = constants_of(events, runs, i), mode_of(runs, i)
     for n in range(STATE_SIZE):
         search.y[n] = runs[i, STATE + n]
         power = 1.0
@@ -336,7 +336,7 @@ def _is_flat(lanes, which, until, series, w, lane):
 @kernel
 def _is_met(lanes, which, theta, w, lane):
     """Return whether the quantity that lanes lack, the rise of a corner, is negative too."""
-    p, mode = constants_of_lane(w, lane), mode_of_lane(lanes, w, lane)
+    p, mode = constants_of_lane(lanes, w, lane), mode_of_lane(lanes, w, lane)
     _, _, _, other = quantities(lanes.events, which, 0.0, state_at(theta, w, lane), p, mode)
     return other < 0.0
 

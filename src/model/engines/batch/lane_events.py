@@ -38,8 +38,8 @@ from model.engines.batch.workspace import (
     mode_of_lane,
 )
 from model.events.event_functions import NEVER, largest
-from model.events.kernels import Events, Numbered, events_of
-from model.events.table import FORCES, Table
+from model.events.kernels import Events, Numbered
+from model.events.table import FORCES
 from model.physics.motion import never_sticks
 
 QUANTITIES = 4  # of a combined event
@@ -47,7 +47,6 @@ TERMS = ORDER + 1  # of the series of each quantity
 # The largest distance from a line through samples at a step's quarters, over the bound of |g''|.
 CURVATURE = FRACTIONS[0] ** 2 / 8.0
 _BOUNDS = VALUES + NODES * SINES  # first line of the bounds of quantities
-_CORNERS = "corner_load", "wall_load"  # the last quantities, of the insertion scene
 
 # Constants with which every level applies that needs friction.
 _ROUGH = SYMBOLS._replace(friction=1.0)
@@ -140,15 +139,16 @@ class LaneEvents:
 def _in_lanes(numbered: Numbered, events: Events) -> tuple[LaneEvent, set[tuple[int, int]]]:
     """Return an event as lanes have it, and the places of the modes in which it applies."""
     cases, event, modes = [], numbered.event, lane_modes(events.inserts)
+    rough = events.constants(*_ROUGH)
     for applies, function in event.function:
-        if any(applies(_ROUGH, mode) for mode, _ in modes):
-            levels = levels_of(event.source, function, events.inserts)
+        if any(applies(rough, mode) for mode, _ in modes):
+            levels = levels_of(event.source, function, events.inserts, events.constants)
             if levels is None:
                 raise ValueError(f"{event.name}: lanes hold its modes, but not its quantities")
             cases.append(Case(applies, levels))
     places: dict[bool, set[tuple[int, int]]] = {True: set(), False: set()}
     for mode, place in modes:
-        places[any(case.applies(_ROUGH, mode) for case in cases)].add(place)
+        places[any(case.applies(rough, mode) for case in cases)].add(place)
     if places[True] & places[False]:
         raise ValueError(f"{event.name}: applies in some modes of a kind and number, not in others")
     is_partial = any(not level.is_known for case in cases for level in case.levels)
@@ -156,15 +156,22 @@ def _in_lanes(numbered: Numbered, events: Events) -> tuple[LaneEvent, set[tuple[
     return found, places[True]
 
 
+def _sampled(events: Events) -> int:
+    """Return the number of event quantities up to the last that a scene needs."""
+    needed = "tips_depth" if events.constants.is_round else "side_friction"
+    if events.inserts and not events.constants.is_round:
+        needed = "wall_load"
+    return EventQuantities._fields.index(needed) + 1
+
+
 @cache
-def lane_events_of(table: Table) -> LaneEvents:
+def lane_events_of(events: Events) -> LaneEvents:
     """Return the events of a table as the kernels of lanes take them.
 
     Raises:
         ValueError: an event applies in a mode that lanes hold, but they lack its quantities, or not
             in all modes of its kind and number.
     """
-    events = events_of(table)
     kinds = kinds_of(events.inserts)
     masks, found = np.zeros((len(kinds), MODES_OF_A_KIND), np.int64), []
     for numbered in events.all:
@@ -172,8 +179,6 @@ def lane_events_of(table: Table) -> LaneEvents:
         for place in places:
             masks[place] |= 1 << each.number
         found += [each] if each.cases else []
-    quantities = EventQuantities._fields
-    count = len(quantities) - (0 if events.inserts else len(_CORNERS))
     return LaneEvents(
         events=events,
         combined=tuple(each for each in found if each.is_combined),
@@ -182,7 +187,7 @@ def lane_events_of(table: Table) -> LaneEvents:
         of_friction=sum(1 << each.number for each in events.all if each.event.source == FORCES),
         kinds=numbers_of(kinds),
         varied=VARIED_IN_SLOT if events.inserts else VARIED,
-        series=Series(kinds, events.inserts, count),
+        series=Series(kinds, events.inserts, events.constants, _sampled(events)),
     )
 
 
@@ -217,7 +222,7 @@ def quantity_line(lanes, which, node, part):
 @inlined_kernel
 def _is_case(lanes, case, w, i):
     """Return whether a case of an event that applies in lane ``i`` is the one."""
-    return case.applies(constants_of_lane(w, i), mode_of_lane(lanes, w, i))
+    return case.applies(constants_of_lane(lanes, w, i), mode_of_lane(lanes, w, i))
 
 
 @inlined_kernel

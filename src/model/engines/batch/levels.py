@@ -6,6 +6,7 @@ lane_events.py sum and bound. An event function is called once with symbols in p
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 from model.compile.kernels import inlined_kernel
@@ -18,6 +19,7 @@ from model.events.table import FACE, FORCES, PLACES, SIDE, Source
 from model.physics.modes import CLOSED, Mode
 from model.physics.motion import Motion
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
+from model.physics.parameters import Constants
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,7 +139,8 @@ def _is(field: str, value: float) -> Any:
     return Sum(("==", place, float(value)), {})
 
 
-def _quantities(inserts: bool) -> dict[Source, Any]:
+@cache
+def _quantities(inserts: bool, constants: type[Constants]) -> dict[Source, Any]:
     """Return the quantities of every source that the workspace holds, as sums of its lines.
 
     The sources are the corner positions, the contacts of the edges and, if the scene ``inserts``,
@@ -159,10 +162,13 @@ def _quantities(inserts: bool) -> dict[Source, Any]:
         right, left = _is("edge", RIGHT_EDGE), _is("edge", LEFT_EDGE)
         along_face = right * along_face + left * places["left_along_face"]
         along_axis = right * along_axis + left * places["left_along_axis"]
-    p = SYMBOLS
+    p, behind = SYMBOLS, SYMBOLS.half_height + along_axis
+    if constants.is_round:
+        edge = _MODE_SYMBOLS.edge if inserts else RIGHT_EDGE
+        behind = edge * places["tips_depth"]
     sources = {
         PLACES: CornerPositions(**(unknown | places)),
-        FACE: ContactState(p.half_height + along_axis, _line("face_load"), along_face),
+        FACE: ContactState(behind, _line("face_load"), along_face),
         SIDE: ContactState(
             places["left_behind_side"], _line("side_load"), places["left_along_axis"]
         ),
@@ -182,9 +188,6 @@ def _quantities(inserts: bool) -> dict[Source, Any]:
             places["left_corner_y"],
         ),
     }  # fmt: skip
-
-
-QUANTITIES = {inserts: _quantities(inserts) for inserts in (False, True)}
 
 
 def _level_of(total: Sum | float) -> Level:
@@ -208,11 +211,12 @@ def _term_of(series: TaylorSeries, factor: Constant) -> Term | None:
 
 
 def levels_of(
-    source: Source, function: Callable[..., Any], inserts: bool
+    source: Source, function: Callable[..., Any], inserts: bool, constants: type[Constants]
 ) -> tuple[Level, ...] | None:
     """Return the quantities of an event; None if the workspace does not hold its source."""
-    if source not in QUANTITIES[inserts]:
+    quantities = _quantities(inserts, constants)
+    if source not in quantities:
         return None
     mode = _MODE_SYMBOLS if inserts else _MODE_SYMBOLS._replace(edge=RIGHT_EDGE)
-    found = function(QUANTITIES[inserts][source], SYMBOLS, mode)
+    found = function(quantities[source], constants(*SYMBOLS), mode)
     return tuple(map(_level_of, found if isinstance(found, tuple) else (found,)))

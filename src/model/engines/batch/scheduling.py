@@ -123,7 +123,7 @@ def _record_periods(scene, lanes, until, history, control, w, lane, runs, i):
     both.
     """
     start, length = runs[i, AT.time], w[workspace.STEP_LENGTH * WIDTH + lane]
-    p, mode = constants_of_lane(w, lane), mode_of_lane(lanes, w, lane)
+    p, mode = constants_of_lane(lanes, w, lane), mode_of_lane(lanes, w, lane)
     while (
         runs[i, AT.outcome] == CONTINUES
         and runs[i, AT.stop] <= start + until * length
@@ -155,14 +155,14 @@ def _advance(scene, lanes, until, history, control, w, lane, runs, i):
     if not continues:
         until = (runs[i, AT.time] - start) / length
     tilt, force = 0.0, 0.0
-    counted = is_counted(mode_of_lane(lanes, w, lane), constants_of_lane(w, lane))
+    counted = is_counted(mode_of_lane(lanes, w, lane), constants_of_lane(lanes, w, lane))
     if counted and control.alignment_only == 0.0:
         tilt, force = largest_until(
             lanes, runs[i, AT.tilt_max], runs[i, AT.contact_force_max], until, w, lane
         )
     elif scene.events.inserts:
         _, force = largest_until(lanes, inf, runs[i, AT.side_force_max], until, w, lane)
-    note_step(until * length, tilt, force, runs, i)
+    note_step(scene, until * length, tilt, force, runs, i)
     if not continues:
         return False
     if _carries_error(scene, control, runs, i):
@@ -214,7 +214,7 @@ def _continue(scene, lanes, control, memory, lane, i):
         advance(scene, control, memory.track, history, memory.work, runs, i)
     elif isnan(length) or is_too_short(length, runs[i, AT.time]):
         q = state_in(runs, STATE, i)
-        rates = rates_at(runs[i, AT.time], q, constants_of(runs, i), mode_of(runs, i))
+        rates = rates_at(runs[i, AT.time], q, constants_of(lanes.events, runs, i), mode_of(runs, i))
         fail(scene, runs, i, REASON.STEP_TOO_SMALL if are_finite(rates) else REASON.NOT_FINITE)
     else:
         which, theta = -1, NO_EVENT
@@ -337,7 +337,8 @@ def _step_together(lanes, kind, count, control, memory):
     for lane in range(WIDTH):  # lanes without a run repeat the last one
         i = memory.together[min(lane, count - 1)]
         _gather(lanes, runs, i, w, lane)
-        may_apply = applicable_in(lanes, kind, constants_of(runs, i), mode_of(runs, i))
+        p, mode = constants_of(lanes.events, runs, i), mode_of(runs, i)
+        may_apply = applicable_in(lanes, kind, p, mode)
         w[workspace.APPLICABLE * WIDTH + lane] = float(may_apply)
         applicable |= may_apply
     step_all(lanes, kind, applicable, control, memory.addresses, w)

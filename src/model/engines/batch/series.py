@@ -4,8 +4,8 @@ Input: a kind of mode (mode_kinds.py). Output: its ``Recurrences``, which series
 memory and series_code.py writes as code. ``motion`` and the corner positions are called once with
 symbols in place of numbers. They return sums of Taylor series, each with a constant factor. The
 next coefficient of a series follows from the known ones: it is a state (by its rate), sine or
-cosine of an angle, a product, a quotient, a sum, or the rate of another series. Recurrences as in
-Moore, Interval Analysis (1966), ch. 11, and Jorba and Zou, Experimental Mathematics 14 (2005)
+cosine of an angle, a product, a quotient, a root, a sum, or the rate of another series. Recurrences
+as in Moore, Interval Analysis (1966), ch. 11, and Jorba and Zou, Experimental Mathematics 14 (2005)
 99-117.
 """
 
@@ -18,11 +18,20 @@ import numpy as np
 from model.compile.kernels import Symbol, python_of
 from model.engines.batch.mode_kinds import SIDE_CONTACTS, ModeKind, mode_of_kind
 from model.events.event_functions import corner_positions
-from model.physics.contacts import Contact, contact_load, corner_on_wall, edge_on_face, edge_on_side
+from model.physics.contacts import (
+    Contact,
+    contact_load,
+    corner_on_wall,
+    dot,
+    edge_on_face,
+    edge_on_side,
+    support_on_face,
+    tips_on_face,
+)
 from model.physics.motion import corner_share, motion
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
 from model.physics.parameters import Constants
-from model.physics.trigonometry import sine_cosine
+from model.physics.trigonometry import sine_cosine, square_root
 
 # Constant during a step: a number, ("given", place), or (operation, constant, constant).
 Constant = float | tuple[Any, ...]
@@ -64,16 +73,23 @@ def _inverse(a: Constant) -> Constant:
 class TaylorSeries(NamedTuple):
     """A series: the rule of its coefficients, and what the rule is applied to.
 
-    Rules are "state", "time", "sine", "cosine", "product", "quotient", "sum" and "rate"; in levels
-    of events (levels.py) also "line" and "absolute".
+    Rules are "state", "time", "sine", "cosine", "product", "quotient", "root", "sum" and "rate"; in
+    levels of events (levels.py) also "line" and "absolute".
     """
 
     rule: str
     operands: tuple[Any, ...]
 
     @property
+    def is_convolved(self) -> bool:
+        """True if its coefficients are sums over those of its ``factors``."""
+        return self.rule in ("product", "quotient", "root")
+
+    @property
     def factors(self) -> "tuple[TaylorSeries, TaylorSeries]":
-        """Factors of a product; of a quotient, itself and its divisor."""
+        """Factors of a product; of a quotient, itself and its divisor; of a root, twice itself."""
+        if self.rule == "root":
+            return self, self
         one, other = self.operands
         return (one, other) if self.rule == "product" else (self, other)
 
@@ -96,11 +112,15 @@ class Sum(Symbol):
     def rule_of(self, function: Callable[..., Any]) -> Callable[..., Any]:
         """Return the replacement of a function in a trace, or the function itself.
 
-        Sine and cosine become series. The closing rate and slip of a contact become rates of its
-        depth and place. An edge and a corner that share friction are known to press.
+        Sine, cosine and square root become series. The closing rate and slip of a contact become
+        rates of its depth and place. An edge and a corner that share friction are known to press.
         """
         if function is python_of(sine_cosine):
             return _sine_cosine
+        if function is python_of(square_root):
+            return _root
+        if function is python_of(tips_on_face):
+            return _tips_with_rates
         if function is python_of(corner_share):
             return _share
         if function in _CONTACTS:
@@ -193,15 +213,35 @@ _TIME = TaylorSeries("time", ())
 
 def _with_rates(contact: Contact) -> Contact:
     """Return the contact with closing rate and slip as rates of its depth and place."""
-    depth: Any = contact.depth
-    along: Any = contact.along
-    deep, far = (TaylorSeries("sum", (0.0, tuple(each.terms.items()))) for each in (depth, along))
-    closing_rate, slip = (
-        sum_of(TaylorSeries("rate", (deep,))),
-        -sum_of(TaylorSeries("rate", (far,))),
-    )
-    depth = Sum(depth.constant, {deep: 1.0})
-    return contact._replace(depth=depth, closing_rate=closing_rate, slip=slip)
+    depth, closing_rate = _with_rate(contact.depth)
+    _, receding = _with_rate(contact.along)
+    return contact._replace(depth=depth, closing_rate=closing_rate, slip=-receding)
+
+
+def _with_rate(value: Any) -> tuple[Any, Any]:
+    """Return a sum, as a series of its own and a constant, and its rate."""
+    series = TaylorSeries("sum", (0.0, tuple(value.terms.items())))
+    return Sum(value.constant, {series: 1.0}), sum_of(TaylorSeries("rate", (series,)))
+
+
+def _tips_with_rates(side: float, q: State, p: Constants) -> Contact:
+    """Return the contact of tips, with its closing rate and the drift of its slip as rates.
+
+    The slip is the row times the rates of the state, so its drift is the row's rate times them.
+    """
+    contact = python_of(tips_on_face)(side, q, p)
+    depth, closing_rate = _with_rate(contact.depth)
+    rows: Any = tuple(_with_rate(each) for each in contact.slip_row)
+    row, turning = tuple(each for each, _ in rows), tuple(rate for _, rate in rows)
+    slip, drift = (dot(each, q.x_rate, q.y_rate, q.tilt_rate) for each in (row, turning))
+    return contact._replace(
+        depth=depth, closing_rate=closing_rate, tangent=row, slip_row=row, slip=slip,
+        slip_drift=drift,
+    )  # fmt: skip
+
+
+def _root(value: Sum) -> Sum:
+    return sum_of(TaylorSeries("root", (value.as_series(),)))  # type: ignore[no-any-return]
 
 
 def _sine_cosine(angle: Sum) -> tuple[Sum, Sum]:
@@ -218,7 +258,7 @@ class EventQuantities(NamedTuple):
 
     Places as in ``CornerPositions``; for either side the loads of its edge and of its corner, and
     the slip or, while the contact sticks, the friction force. Only the insertion scene has loads of
-    corners.
+    corners, and only round parts have tips.
     """
 
     right_along_face: Any
@@ -236,6 +276,7 @@ class EventQuantities(NamedTuple):
     side_friction: Any
     corner_load: Any
     wall_load: Any
+    tips_depth: Any
 
 
 class Recurrences(NamedTuple):
@@ -256,15 +297,18 @@ def _load(contact: Contact, q: State, p: Constants) -> Any:
     return contact_load(contact.depth, contact.closing_rate, q, p)
 
 
-def recurrences(kind: ModeKind, inserts: bool = False) -> Recurrences:
+def recurrences(
+    kind: ModeKind, inserts: bool = False, constants: type[Constants] = Constants
+) -> Recurrences:
     """Return the ``Recurrences`` of a kind of mode, with the loads of corners if it ``inserts``.
 
-    The equations are the consistent variants. They are the same for open and released contacts.
+    ``constants`` is the class for a plane or a round part. The equations are the consistent
+    variants. They are the same for open and released contacts.
     """
-    p, q = SYMBOLS, State(*map(sum_of, STATES))
+    p, q = constants(*SYMBOLS), State(*map(sum_of, STATES))
     mode = mode_of_kind(kind, (given(SUPPORT_SIGN), given(SIDE_SIGN)))
     at = motion(sum_of(_TIME), q, p, mode)
-    edge = edge_on_side(RIGHT_EDGE, q, p) if mode.in_slot else edge_on_face(mode.edge, q, p)
+    edge = edge_on_side(RIGHT_EDGE, q, p) if mode.in_slot else support_on_face(mode.edge, q, p)
     left_edge = edge_on_side(LEFT_EDGE, q, p)
     corner, left_corner = corner_on_wall(RIGHT_EDGE, q, p), corner_on_wall(LEFT_EDGE, q, p)
     support, side = SIDE_CONTACTS[kind.support], SIDE_CONTACTS[kind.side]

@@ -5,6 +5,7 @@ which series_kernels.py makes kernels. The code computes WIDTH runs, one in each
 in the memory ``coefficients[order, line, lane]``.
 """
 
+from collections.abc import Callable
 from typing import Any
 
 from model.compile.vector_code import VectorWriter
@@ -208,19 +209,29 @@ class SeriesWriter(VectorWriter):
             total = self.terms.get(series, self.vector(0.0))
             if series.rule == "product":
                 total = self.fma(self._newest(one, order, values), self._at(other, _FIRST), total)
-            if order != _FIRST:
+            if order != _FIRST and series.rule != "root":
                 total = self.fma(self._at(one, _FIRST), self._newest(other, order, values), total)
             values[series] = (
-                self._finished(series, total, order) if series.rule == "quotient" else total
+                total if series.rule == "product" else self._finished(series, total, order)
             )
             if series in self.layout.place:
                 self._keep(values[series], series, order)
 
-    def _finished(self, quotient: TaylorSeries, others: str, order: str) -> str:
-        """q_k = (a_k - Σ_(j<k) q_j b_(k-j)) / b_0."""
-        top, bottom = quotient.operands
-        rest = self.do("fsub", self._at(top, order), others)
-        return self.do("fdiv", rest, self._at(bottom, _FIRST))
+    def _finished(self, series: TaylorSeries, others: str, order: str) -> str:
+        """q_k = (a_k - Σ_(j<k) q_j b_(k-j)) / b_0; r_k = (a_k - Σ_(0<j<k) r_j r_(k-j)) / 2 r_0."""
+        of, *_ = series.operands
+        if series.rule == "root" and order == _FIRST:
+            return self.call("sqrt", self._at(of, order))
+        return self._divided(series, self.do("fsub", self._at(of, order), others), self._at)
+
+    def _divided(
+        self, series: TaylorSeries, rest: str, at: Callable[[TaylorSeries, str], str]
+    ) -> str:
+        """Divide by b_0 of a quotient, or 2 r_0 of a root."""
+        if series.rule == "root":
+            first = at(series, _FIRST)
+            return self.do("fdiv", rest, self.do("fadd", first, first))
+        return self.do("fdiv", rest, at(series.operands[1], _FIRST))
 
 
 class ErrorWriter(SeriesWriter):
@@ -305,10 +316,9 @@ class ErrorWriter(SeriesWriter):
                 if one != series:
                     newest = self._newest(one, order, values)
                     total = self.fma(newest, self._coefficient(other, _FIRST), total)
-            if series.rule == "quotient":
-                top, bottom = series.operands
-                rest = self.do("fsub", self._newest(top, order, values), total)
-                total = self.do("fdiv", rest, self._coefficient(bottom, _FIRST))
+            if series.rule in ("quotient", "root"):
+                rest = self.do("fsub", self._newest(series.operands[0], order, values), total)
+                total = self._divided(series, rest, self._coefficient)
             values[series] = self.do("fneg", total) if series == self.layout.sines[1] else total
             if series in self.layout.place:
                 self._keep(values[series], series, order)

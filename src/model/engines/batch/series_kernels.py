@@ -27,6 +27,7 @@ from model.engines.batch.series_layout import (
     Layout,
 )
 from model.engines.batch.workspace import COEFFICIENTS, ERROR, LAST_ORDER, STEP_LENGTH, VALUES
+from model.physics.parameters import Constants
 
 
 class _SamplesWriter(VectorWriter):
@@ -90,7 +91,7 @@ class Series:
 
     Args:
         kinds: kinds of modes, in the order of their numbers.
-        inserts: as in ``recurrences``.
+        inserts, constants: as in ``recurrences``.
         count: number of event quantities.
         is_resident: True where the functions are part of the code that calls them: in a page.
 
@@ -102,16 +103,21 @@ class Series:
     """
 
     def __init__(
-        self, kinds: Sequence[ModeKind], inserts: bool, count: int, is_resident: bool = False
+        self,
+        kinds: Sequence[ModeKind],
+        inserts: bool,
+        constants: type[Constants],
+        count: int,
+        is_resident: bool = False,
     ) -> None:
-        self.is_resident, self._arguments = is_resident, (kinds, inserts, count)
-        self.fill = _written("fill_series", SeriesWriter, kinds, inserts)
-        self.fill_errors = _written("fill_errors", ErrorWriter, kinds, inserts)
+        self.is_resident, self._arguments = is_resident, (kinds, inserts, constants, count)
+        self.fill = _written("fill_series", SeriesWriter, *self._arguments[:3])
+        self.fill_errors = _written("fill_errors", ErrorWriter, *self._arguments[:3])
         self.sample = VectorFunction(
             f"sample_series_{count}", lambda name: _SamplesWriter(name, count)
         )  # fmt: skip
         self.addresses = np.zeros(2 * len(kinds), np.int64)
-        self.identity = f"series of {identity_of((kinds, inserts, count, is_resident))}"
+        self.identity = f"series of {identity_of((*self._arguments, is_resident))}"
 
     def load(self, number: int) -> None:
         """Load a function: compile it, unless it is stored, and write its address."""
@@ -123,15 +129,20 @@ class Series:
 
 
 def _written(
-    name: str, writer: type[SeriesWriter], kinds: Sequence[ModeKind], inserts: bool
+    name: str,
+    writer: type[SeriesWriter],
+    kinds: Sequence[ModeKind],
+    inserts: bool,
+    constants: type[Constants],
 ) -> tuple[VectorFunction, ...]:
     """Return the function that a writer writes for each kind of mode."""
 
     def of(kind: ModeKind) -> VectorFunction:
         def write(label: str) -> VectorWriter:
-            return writer(label, Layout(recurrences(kind, inserts)))
+            return writer(label, Layout(recurrences(kind, inserts, constants)))
 
-        return VectorFunction("_".join(map(str, (name, int(inserts), *kind))), write)
+        numbers = int(inserts), int(constants.is_round), *kind
+        return VectorFunction("_".join(map(str, (name, *numbers))), write)
 
     return tuple(map(of, kinds))
 

@@ -22,8 +22,8 @@ TILT = 2  # line of the tilt
 # Line of the sine of the tilt; its cosine, and sine and cosine of the excitation, follow.
 SINES = STATE_LINES + len(EventQuantities._fields)
 _OTHERS = SINES + 4
-LINES = _OTHERS + 16  # as many as the modes on the edges need
-FURTHER_LINES = 12  # of modes in the slot; they follow the last order
+LINES = _OTHERS + 16  # as many as the modes of plane parts on the edges need
+FURTHER_LINES = 60  # of round parts, and of modes in the slot; they follow the last order
 FRACTIONS = (0.25, 0.5, 0.75, 1.0)  # of a step, at which it is sampled
 NODES = len(FRACTIONS) + 1
 # Orders summed at these fractions: omitted terms are below 1e-4 of the last ones at the step's end.
@@ -32,7 +32,7 @@ SUMMED_ORDERS = (10, 13, ORDER, ORDER)
 
 def _inputs(series: TaylorSeries) -> tuple[TaylorSeries, ...]:
     """Return the series whose coefficients of an order ``series`` needs for its own of it."""
-    if series.rule in ("product", "quotient", "rate"):
+    if series.rule in ("product", "quotient", "root", "rate"):
         return series.operands
     if series.rule == "sum":
         return tuple(each for each, _ in series.operands[1])
@@ -52,7 +52,8 @@ class Layout:
         turning: products of the tilt rate with sine and cosine of the tilt.
         rate: rate of the excitation's angle.
         place: line of a series in memory; other series stay in registers.
-        stage: number of products and quotients to be computed one after another for a series.
+        stage: number of products, quotients and roots to be computed one after another for a
+            series.
         factors: see ``_choose_factors``.
     """
 
@@ -67,8 +68,8 @@ class Layout:
         for series in (*self.terms, *self.quantities):
             self._assign_stage(series)
         for series in self.stage:
-            if series.rule in ("product", "quotient"):
-                for each in (*series.operands, *((series,) if series.rule == "quotient" else ())):
+            if series.is_convolved:
+                for each in (*series.operands, *(() if series.rule == "product" else (series,))):
                     self.place.setdefault(each, self._next_place())
             if not self.is_ahead(series):
                 for each in filter(self.is_ahead, _inputs(series)):
@@ -105,7 +106,7 @@ class Layout:
         return [*pair, sine, TaylorSeries("cosine", sine.operands)]
 
     def _choose_factors(self) -> dict[TaylorSeries, tuple[TaylorSeries, TaylorSeries]]:
-        """Choose the factors a and b of Σ_j a_j b_(k-j), for every product and quotient.
+        """Choose the factors a and b of Σ_j a_j b_(k-j), for every product, quotient and root.
 
         Products share loads if they read the same line in the same direction: sines and cosines are
         read forward, as a. Of a quotient, a is the quotient itself and b its divisor.
@@ -128,7 +129,7 @@ class Layout:
     def _assign_stage(self, series: TaylorSeries) -> int:
         if series not in self.stage:
             before = max((self._assign_stage(each) for each in _inputs(series)), default=0)
-            self.stage[series] = before + (series.rule in ("product", "quotient"))
+            self.stage[series] = before + series.is_convolved
         return self.stage[series]
 
     def is_ahead(self, series: TaylorSeries) -> bool:
@@ -140,13 +141,13 @@ class Layout:
         return series.rule != "rate" and all(map(self.is_ahead, _inputs(series)))
 
     def stages(self, ahead: bool) -> Iterator[tuple[list[TaylorSeries], list[TaylorSeries]]]:
-        """Yield for each stage its products and quotients, and its other series in their order."""
+        """Yield for each stage its convolved series, and its other series in their order."""
         for stage in range(max(self.stage.values()) + 1):
             here = [each for each, its_stage in self.stage.items() if its_stage == stage]
             here = [each for each in here if self.is_ahead(each) == ahead]
-            products = [each for each in here if each.rule in ("product", "quotient")]
+            products = [each for each in here if each.is_convolved]
             yield products, [each for each in here if each.rule in ("sum", "rate")]
 
     def products(self, ahead: bool) -> list[TaylorSeries]:
-        """Return all products and quotients, of positions alone or all others."""
+        """Return all products, quotients and roots, of positions alone or all others."""
         return [each for products, _ in self.stages(ahead) for each in products]

@@ -32,6 +32,7 @@ from model.engines.batch.workspace import (
     DEADLINE,
     END,
     LAST_ORDER,
+    LINE,
     LONGEST,
     STEP_FORCE,
     STEP_LENGTH,
@@ -52,17 +53,19 @@ from model.physics.modes import CLOSED
 from model.physics.trigonometry import sine_cosine
 
 ALL_SUBINTERVALS = 15  # mask
+# Lines of states and places, of plane and of round parts.
+_LINES_OF_PLACES = tuple(range(CONTACTS_AT)), (*range(CONTACTS_AT), LINE["tips_depth"])
 LAST_TERMS = 4.0  # size of the last terms of a series over the tolerance; the remainder is smaller
 # Below this level of a landing corner, whose rise lanes do not hold, the reference engine decides.
 TOO_FLAT_TO_TELL = 10.0 * FLAT
 
 
 @kernel
-def _set_sines(w):
+def _set_sines(lanes, w):
     """Write sine and cosine of the tilt and of the excitation's angle at the step's start."""
     first = COEFFICIENTS + SINES
     for i in each_lane():
-        p = constants_of_lane(w, i)
+        p = constants_of_lane(lanes, w, i)
         s, c = sine_cosine(w[(COEFFICIENTS + TILT) * WIDTH + i])
         w[first * WIDTH + i], w[(first + 1) * WIDTH + i] = s, c
         s, c = sine_cosine(p.frequency * w[TIME * WIDTH + i] + p.phase)
@@ -84,7 +87,7 @@ def nth_root(value, order):
 
 
 @inlined_kernel
-def _step_of(order, admitted, w, i):
+def _step_of(lanes, order, admitted, w, i):
     """Step at which the largest term of an order, over 1 + |value|, equals ``admitted``.
 
     Terms of states and of places count: in flight the series of the states end sooner than the
@@ -92,7 +95,7 @@ def _step_of(order, admitted, w, i):
     divisions.
     """
     largest_size, its_scale = 1e-200, 1.0
-    for n in range(CONTACTS_AT):
+    for n in _LINES_OF_PLACES[lanes.events.constants.is_round]:
         size = abs(w[(COEFFICIENTS + order * LINES + n) * WIDTH + i])
         scale = 1.0 + abs(w[(COEFFICIENTS + n) * WIDTH + i])
         is_larger = size * its_scale > largest_size * scale
@@ -102,11 +105,13 @@ def _step_of(order, admitted, w, i):
 
 
 @kernel
-def _set_lengths(w):
+def _set_lengths(lanes, w):
     """Set the steps at which the larger of the last two terms equals the admissible error."""
     for i in each_lane():
         admitted = LAST_TERMS * w[TOLERANCE * WIDTH + i]
-        step = min(_step_of(ORDER, admitted, w, i), _step_of(ORDER - 1, admitted, w, i))
+        step = min(
+            _step_of(lanes, ORDER, admitted, w, i), _step_of(lanes, ORDER - 1, admitted, w, i)
+        )
         step = min(step, w[LONGEST * WIDTH + i])
         time, deadline = w[TIME * WIDTH + i], w[DEADLINE * WIDTH + i]
         w[STEP_LENGTH * WIDTH + i] = deadline - time if time + 1.0001 * step >= deadline else step
@@ -300,7 +305,7 @@ def _end_steps(lanes, w):
     """Write the state at the end of every step, with sticking contacts at rest."""
     for i in each_lane():
         end = state_in_lane(w, VALUES + (NODES - 1) * SINES, i)
-        end = without_slip(end, constants_of_lane(w, i), mode_of_lane(lanes, w, i))
+        end = without_slip(end, constants_of_lane(lanes, w, i), mode_of_lane(lanes, w, i))
         store_state_in_lane(end, w, END, i)
 
 
@@ -312,14 +317,14 @@ def step_all(lanes, kind, applicable, control, addresses, w):
     ``Series``. Upper bounds of tilt and forces are written unless ``control`` asks for alignment
     only.
     """
-    _set_sines(w)
+    _set_sines(lanes, w)
     carries_error = control.carries_error != 0.0
     for i in each_lane():
         w[LAST_ORDER * WIDTH + i] = ORDER + REMAINDER * carries_error
     fill_series(lanes, kind, addresses, w)
     if carries_error:
         fill_errors(lanes, kind, addresses, w)
-    _set_lengths(w)
+    _set_lengths(lanes, w)
     sample_series(lanes, w)
     sample_levels(lanes, applicable, w)
     _screen(lanes, applicable, w)

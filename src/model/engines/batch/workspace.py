@@ -21,7 +21,6 @@ from model.engines.batch.series_layout import FURTHER_LINES, LINES, NODES, ORDER
 from model.engines.scalar.tableaux import Array
 from model.physics.modes import MODE_KINDS, START, Mode
 from model.physics.notation import STATE_SIZE, State
-from model.physics.parameters import Constants
 
 # Lines: constants and signs of the slips, the mode, then numbers of the lanes and of their step.
 MODE_LINE = GIVEN  # in the order of ``Mode``
@@ -78,9 +77,9 @@ def _given_in(symbol, w, i):
 
 
 @inlined_kernel
-def constants_of_lane(w, i):
-    """Return the ``Constants`` of lane ``i``, consistent variants."""
-    return Constants(*(_given_in(symbol, w, i) for symbol in SYMBOLS))
+def constants_of_lane(lanes, w, i):
+    """Return the constants of lane ``i``, of a plane part or a round one; consistent variants."""
+    return lanes.events.constants(*(_given_in(symbol, w, i) for symbol in SYMBOLS))
 
 
 @inlined_kernel

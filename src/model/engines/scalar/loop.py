@@ -194,7 +194,7 @@ def track_run(events, track, scratch, runs, i):
     """Write the present state of a run into its track, with the forces of its mode."""
     time, q = runs[i, AT.time], state_in(runs, STATE, i)
     if track.shape[0] > 0:
-        sample_into(events, time, q, constants_of(runs, i), mode_of(runs, i), scratch)
+        sample_into(events, time, q, constants_of(events, runs, i), mode_of(runs, i), scratch)
     track_sample(events, track, time, q, scratch, runs, i)
 
 
@@ -216,7 +216,7 @@ def note_closest(events, samples, last, runs, i):
 @separate_kernel
 def advance(scene, control, track, history, work, runs, i):
     """Advance run ``i`` by one step, or up to the first event in it."""
-    time, p, mode = runs[i, AT.time], constants_of(runs, i), mode_of(runs, i)
+    time, p, mode = runs[i, AT.time], constants_of(scene.events, runs, i), mode_of(runs, i)
     y, tolerance, h = work.y, runs[i, AT.tolerance], runs[i, AT.next_step]
     store_in(state_in(runs, STATE, i), y)
     stop, rate = runs[i, AT.stop], contact_rate(p, mode)
@@ -260,7 +260,7 @@ def advance(scene, control, track, history, work, runs, i):
         scene.events, part, time, h_step, y, work.dense, p, mode, work.nodes, work.samples,
         work.scratch[0], runs[i, AT.tilt_max], runs[i, so_far],
     )  # fmt: skip
-    note_step(length, max(tilt, abs(work.y_end[2])), force, runs, i)
+    note_step(scene, length, max(tilt, abs(work.y_end[2])), force, runs, i)
 
     store_state(state_of(work.y_end), runs, i)
     reached_stop = not found and h_step == h_try and h_try == stop - time
