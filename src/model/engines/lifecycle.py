@@ -8,12 +8,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from model.compile.kernels import kernel, separate_kernel
+from model.compile.kernels import inlined_kernel, kernel, separate_kernel
 from model.engines.rates import short_step
 from model.engines.record import (
     AT,
     CLOSEST,
     CONSTANTS,
+    FORCES,
     MADE,
     STATE,
     constants_of,
@@ -36,6 +37,7 @@ from model.events.steady_state import (
     settled_period,
     watched_until,
 )
+from model.events.table import PLACES_OF_CONTACT
 from model.events.transitions import CONTINUES
 from model.physics.geometry import bottom_corner, edge_place, resting_height
 from model.physics.modes import CLOSED, OPEN, START, STICKING
@@ -165,11 +167,10 @@ def begin(row, tolerance, scene, control, runs, i):
     runs[i, AT.time_error], runs[i, AT.end_error], runs[i, AT.largest_error] = known, known, known
     runs[i, AT.tau_align], runs[i, AT.tau_corners_inside] = nan, nan
     runs[i, AT.tilt_at_alignment], runs[i, AT.tau_inserted] = nan, nan
-    runs[i, AT.side_force_max] = nan
     if control.alignment_only != 0.0:
-        runs[i, AT.tilt_max], runs[i, AT.contact_force_max] = nan, nan  # and stay so; see note_step
-    elif scene.events.inserts:
-        runs[i, AT.side_force_max] = 0.0
+        runs[i, AT.tilt_max] = nan  # and stays so; see note_step
+        for place in range(len(PLACES_OF_CONTACT)):
+            runs[i, FORCES + place] = nan
     for which in range(scene.events.count):
         runs[i, CLOSEST + which] = NEVER
     q, mode = start(p, scene.declared)
@@ -204,21 +205,24 @@ def is_counted(mode, p):
 
 
 @kernel
-def note_step(scene, length, tilt, force, runs, i):
-    """Record an accepted step, with its largest |tilt| and normal force.
+def note_step(scene, length, tilt, runs, i):
+    """Record an accepted step, with its largest |tilt|; the fall after alignment does not count.
 
-    After the fall into the slot only the largest force on its sides counts. ``max`` returns its
-    first argument if that is NaN: largest values that are not computed stay so.
+    ``max`` returns its first argument if that is NaN: a largest tilt that is not computed stays so.
     """
     mode = mode_of(runs, i)
     runs[i, AT.steps] += 1.0
     if is_counted(mode, constants_of(scene.events, runs, i)):
         runs[i, AT.tilt_max] = max(runs[i, AT.tilt_max], tilt)
-        runs[i, AT.contact_force_max] = max(runs[i, AT.contact_force_max], force)
         if mode.support_slip == STICKING and is_supported(mode):
             runs[i, AT.sticking_time] += length
-    else:
-        runs[i, AT.side_force_max] = max(runs[i, AT.side_force_max], force)
+
+
+@inlined_kernel
+def notes_forces(scene, mode, control, runs, i):
+    """Return whether the largest forces grow: until alignment, or until inserted."""
+    counts = scene.events.inserts or is_counted(mode, constants_of(scene.events, runs, i))
+    return counts and control.alignment_only == 0.0
 
 
 @kernel

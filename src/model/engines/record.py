@@ -12,6 +12,7 @@ from typing import Any
 from model.compile.kernels import inlined_kernel, kernel
 from model.engines.results import RunResult
 from model.events.kernels import MOST_EVENTS
+from model.events.table import PLACES_OF_CONTACT
 from model.physics.modes import CLOSED, MODE_KINDS, OPEN, Mode
 from model.physics.notation import RIGHT_EDGE, STATE_SIZE, State
 from model.physics.parameters import Constants
@@ -39,6 +40,7 @@ CONSTANTS = len(Constants._fields)  # the first columns
 _FIRST_RESULT, _RESULT_COUNT = CONSTANTS, len(RunResult._fields)
 
 ERROR = AT.error_x  # first of the errors that the run carries
+FORCES = AT.edge_force_max  # first of the largest forces, in the order of PLACES_OF_CONTACT
 STATE = len(_COLUMNS)
 MODE = STATE + STATE_SIZE
 CLOSEST = MODE + len(Mode._fields)  # lowest levels of the events in this period
@@ -97,8 +99,14 @@ def store_state(q, runs, i):
 
 
 @kernel
-def store_result(runs, i, results, row):
+def store_result(events, runs, i, results, row):
     """Write the ``RunResult`` of run ``i``, which has ended, into ``results[row]``."""
+    if events.constants.is_round:
+        runs[i, AT.edge_force_max] *= 0.5  # each of two tips carries half of the load
+    largest = runs[i, FORCES]
+    for place in range(1, len(PLACES_OF_CONTACT)):
+        largest = max(largest, runs[i, FORCES + place])
+    runs[i, AT.contact_force_max] = largest
     tau_align = runs[i, AT.tau_align]
     until = runs[i, AT.time] if isnan(tau_align) else tau_align
     runs[i, AT.sticking_share] = runs[i, AT.sticking_time] / until if until > 0.0 else 0.0

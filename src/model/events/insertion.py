@@ -205,17 +205,19 @@ TABLE = (
         transitions.left_corner_lands,
     ),
     *CONTACTS,
-    *of_contact("right_side", "face", RIGHT_SIDE, _AT_RIGHT_SIDE, "right", in_slot=True),
+    *of_contact("right_side", "face", RIGHT_SIDE, _AT_RIGHT_SIDE, ("right", "side"), in_slot=True),
     Event(
         "right_side_end", RIGHT_SIDE, ((_on_right_side, functions.before_side_end),),
         _right_side_ends,
     ),
-    *of_contact("right_wall", "corner", RIGHT_WALL, _AT_RIGHT_WALL, "right", in_slot=True),
+    *of_contact(
+        "right_wall", "corner", RIGHT_WALL, _AT_RIGHT_WALL, ("right", "wall"), in_slot=True
+    ),
     Event(
         "right_wall_end", RIGHT_WALL, ((_on_right_wall, functions.below_plane),),
         _AT_RIGHT_WALL.ends,
     ),
-    *of_contact("left_wall", "wall", LEFT_WALL, _AT_LEFT_WALL, "side"),
+    *of_contact("left_wall", "wall", LEFT_WALL, _AT_LEFT_WALL, ("side", "wall")),
     Event(
         "left_wall_end", LEFT_WALL, ((_on_left_wall, functions.below_plane),), _AT_LEFT_WALL.ends
     ),

@@ -14,7 +14,7 @@ from model.events import event_functions as functions
 from model.events.event_functions import NEVER, largest
 from model.events.round_parts import RIGHT_TIPS, with_tips
 from model.events.scenes import Declared, Scene
-from model.events.table import OF_LENGTH, PLACES_OF_FORCES, Event, Source, Table
+from model.events.table import GROUPS, OF_LENGTH, PLACES_OF_CONTACT, Event, Source, Table
 from model.physics.modes import START
 from model.physics.parameters import Constants, RoundConstants
 
@@ -46,8 +46,9 @@ class Events:
         combined: count of the events with several quantities; these come first.
         by_source: for each source, its events.
         in_order: neighbours in the table that share a source.
-        forces: for each of ``PLACES_OF_FORCES``, numbers of the events whose levels are the normal
-            forces there.
+        forces: for each of ``GROUPS``, numbers of the events whose levels are normal forces in it.
+        loads: pairs (number, place): events whose levels are normal forces, and the index of their
+            place in ``PLACES_OF_CONTACT``.
         corners_inside: number of "corners_inside"; face_end: of "face_end".
         inserts: True if runs continue after alignment until the part is inserted.
         constants: class of the constants: ``RoundConstants`` for a round part.
@@ -58,6 +59,7 @@ class Events:
     by_source: tuple[tuple[Source, tuple[Numbered, ...]], ...]
     in_order: tuple[tuple[Source, tuple[Numbered, ...]], ...]
     forces: dict[str, tuple[int, ...]]
+    loads: tuple[tuple[int, int], ...]
     corners_inside: int
     face_end: int
     inserts: bool
@@ -120,6 +122,7 @@ def events_of(table: Table) -> Events:
     """Return the events of a table as kernels take them."""
     combined, names = combined_count(table), [each.name for each in table]
     numbered = tuple(Numbered(k, event, k < combined) for k, event in enumerate(table))
+    loads = [(each.number, each.event.force_on) for each in numbered if each.event.force_on]
     neighbours = groupby(numbered, key=lambda each: each.event.source)
     sources = dict.fromkeys(each.source for each in table)
     return Events(
@@ -130,10 +133,8 @@ def events_of(table: Table) -> Events:
             for source in sources
         ),
         in_order=tuple((source, tuple(members)) for source, members in neighbours),
-        forces={
-            place: tuple(each.number for each in numbered if each.event.force_on == place)
-            for place in PLACES_OF_FORCES
-        },
+        forces={group: tuple(n for n, (here, _) in loads if here == group) for group in GROUPS},
+        loads=tuple((n, PLACES_OF_CONTACT.index(place)) for n, (_, place) in loads),
         corners_inside=names.index("corners_inside"),
         face_end=names.index("face_end"),
         inserts="inserted" in names,
@@ -206,10 +207,10 @@ def quantities(events, which, time, q, p, mode):
 
 
 @inlined_kernel
-def force_on(events, place, sample):
-    """Return the normal force at one of ``PLACES_OF_FORCES``, from a sample; may be negative."""
+def force_on(events, group, sample):
+    """Return the sum of the normal forces in one of ``GROUPS``, from a sample; may be negative."""
     force = 0.0
-    for k in events.forces[place]:
+    for k in events.forces[group]:
         force += sample[k] if sample[k] != NEVER else 0.0
     return force
 

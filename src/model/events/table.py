@@ -21,7 +21,8 @@ from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 Kernel = Callable[..., Any]
 OF_LENGTH, OF_LOAD, OF_FRICTION = range(3)  # how a level depends on the state
 START_TOLERANCE = 1e-9  # of levels at the start, which may be zero to rounding
-PLACES_OF_FORCES = "support", "side", "right"  # under the part, left side, right side
+GROUPS = "support", "side", "right"  # of contacts: under the part, on its left, on its right
+PLACES_OF_CONTACT = "edge", "corner", "side", "wall"  # kinds of contact: see physics/contacts.py
 
 
 @dataclass(frozen=True)
@@ -53,7 +54,8 @@ class Event:
             default.
         kind: how the level depends on the state: OF_LENGTH (also for a velocity), OF_LOAD or
             OF_FRICTION.
-        force_on: one of ``PLACES_OF_FORCES`` if the level is the normal force there.
+        force_on: if the level is a normal force, its group and place, of ``GROUPS`` and
+            ``PLACES_OF_CONTACT``.
         start: level below which a start is impossible.
     """
 
@@ -64,7 +66,7 @@ class Event:
     reset: Kernel | None = None
     guard: Kernel | None = None
     kind: int = OF_LENGTH
-    force_on: str | None = None
+    force_on: tuple[str, str] | None = None
     start: float | None = None
 
 
@@ -197,7 +199,7 @@ def of_contact(
     field: str,
     source: Source,
     transition: transitions.OfContact,
-    force_on: str,
+    force_on: tuple[str, str],
     in_slot: bool | None = None,
 ) -> Table:
     """Make the events of a contact that overlaps the base: load lost, gap opened, load returned.
@@ -260,7 +262,7 @@ CONDITIONS: Table = (
 CONTACTS: Table = (
     # The edge under the bottom face loses its load; the gap opens; the load returns before the gap
     # opens; the edge passes the corner on its own side, toward the slot, or the other one.
-    *of_contact("face", "face", FACE, transitions.FACE, "support", in_slot=False),
+    *of_contact("face", "face", FACE, transitions.FACE, ("support", "edge"), in_slot=False),
     Event(
         "face_end", FACE, ((functions.on_face, functions.before_face_end),), transitions.face_ends
     ),
@@ -269,13 +271,15 @@ CONTACTS: Table = (
         start=-START_TOLERANCE,
     ),
     # The same for A2 on the left side face; A2 passes an end of the face.
-    *of_contact("side", "side", SIDE, transitions.SIDE, "side"),
+    *of_contact("side", "side", SIDE, transitions.SIDE, ("side", "side")),
     Event(
         "side_end", SIDE, ((functions.on_left_side, functions.before_side_end),),
         transitions.side_ends,
     ),
     # The same for a bottom corner on the flat base; the corner slides into the slot.
-    *of_contact("corner", "corner", CORNER, transitions.CORNER, "support", in_slot=False),
+    *of_contact(
+        "corner", "corner", CORNER, transitions.CORNER, ("support", "corner"), in_slot=False
+    ),
     Event(
         "corner_end", CORNER, ((functions.on_corner, functions.beside_slot),),
         transitions.corner_slides_in,

@@ -70,7 +70,7 @@ def integrate_trace(constants, tolerance, scene, control, track, results, memory
             end -= 1
             _note_modes(mode_of(runs, i), runs[i, AT.last_event], track, end, end + 1, p)
         _note_modes(before, 0.0, track, first, end, p)
-    store_result(runs, i, results, 0)
+    store_result(scene.events, runs, i, results, 0)
 
 
 _integrate_trace = compiled(integrate_trace)

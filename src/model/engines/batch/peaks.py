@@ -1,4 +1,4 @@
-"""Largest tilt and normal force inside the step of one lane.
+"""Largest tilt and normal forces inside the step of one lane.
 
 Input: the lane's lines of the workspace after ``step_all``, and the largest values so far. Output:
 the new largest values, for scheduling.py.
@@ -13,14 +13,9 @@ from model.engines.batch.series_layout import FRACTIONS, LINES, NODES, ORDER, SI
 from model.engines.batch.step import curvature_bound
 from model.engines.batch.workspace import (
     COEFFICIENTS,
-    STEP_FORCE,
     STEP_LENGTH,
-    STEP_TILT,
     VALUES,
-    loads_of,
-    mode_of_lane,
 )
-from model.physics.modes import CLOSED
 
 _SUBINTERVAL = FRACTIONS[0]
 _MOST_ITERATIONS = 40
@@ -104,41 +99,12 @@ def _highest(line, sign, until, known, w, lane):
 
 
 @inlined_kernel
-def _add(line, to, w, lane):
-    """Add a line, its samples and its bound to another one."""
-    for order in range(ORDER + 1):
-        at = COEFFICIENTS + order * LINES
-        w[(at + to) * WIDTH + lane] += w[(at + line) * WIDTH + lane]
-    for node in range(NODES + 1):
-        at = VALUES + node * SINES
-        w[(at + to) * WIDTH + lane] += w[(at + line) * WIDTH + lane]
+def largest_tilt(known, until, w, lane):
+    """Return the largest |tilt| up to the fraction ``until`` of the step, or the ``known`` one."""
+    return _highest(TILT, -1.0, until, _highest(TILT, 1.0, until, known, w, lane), w, lane)
 
 
 @inlined_kernel
-def _highest_force(loads, until, known, w, lane):
-    """``_highest`` of the normal force on support or side; see ``loads_of``.
-
-    If edge and corner press, the sum of their loads takes the place of the corner's.
-    """
-    (edge_load, edge), (corner_load, corner) = loads
-    if edge == CLOSED and corner == CLOSED:
-        _add(edge_load, corner_load, w, lane)
-    if corner == CLOSED:
-        return _highest(corner_load, 1.0, until, known, w, lane)
-    return _highest(edge_load, 1.0, until, known, w, lane) if edge == CLOSED else known
-
-
-@kernel
-def largest_until(lanes, tilt, force, until, w, lane):
-    """Largest |tilt| and normal force of a run, up to the fraction ``until`` of the step.
-
-    ``tilt`` and ``force`` are the largest values so far.
-    """
-    if w[STEP_TILT * WIDTH + lane] > tilt:
-        tilt = _highest(TILT, 1.0, until, tilt, w, lane)
-        tilt = _highest(TILT, -1.0, until, tilt, w, lane)
-    if w[STEP_FORCE * WIDTH + lane] > force:
-        support, side = loads_of(mode_of_lane(lanes, w, lane))
-        force = _highest_force(support, until, force, w, lane)
-        force = _highest_force(side, until, force, w, lane)
-    return tilt, force
+def largest_force(line, known, until, w, lane):
+    """Return the largest force in a line up to the fraction ``until``, or the ``known`` one."""
+    return _highest(line, 1.0, until, known, w, lane)

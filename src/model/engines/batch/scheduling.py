@@ -8,7 +8,7 @@ another step. Transitions and ends of periods are shared with the reference engi
 which also steps runs in modes that lanes do not hold.
 """
 
-from math import inf, isnan, nan
+from math import isnan, nan
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +19,7 @@ from model.engines.batch import workspace
 from model.engines.batch.carried_error import apply_saltation, carry_error, error_of_time
 from model.engines.batch.event_search import SearchMemory, first_event, new_search_memory, state_at
 from model.engines.batch.lane_events import LaneEvents, applicable_in, kind_of
-from model.engines.batch.peaks import largest_until
+from model.engines.batch.peaks import largest_force, largest_tilt
 from model.engines.batch.series import LANE_CONSTANTS, SIDE_SIGN, SUPPORT_SIGN
 from model.engines.batch.series_kernels import missing_series
 from model.engines.batch.series_layout import NODES, ORDER
@@ -28,6 +28,7 @@ from model.engines.batch.workspace import (
     COEFFICIENTS,
     constants_of_lane,
     copy_mode,
+    loads_of,
     lowest_bit,
     mode_of_lane,
 )
@@ -38,9 +39,9 @@ from model.engines.lifecycle import (
     end_period,
     end_step,
     fail,
-    is_counted,
     new_history,
     note_step,
+    notes_forces,
 )
 from model.engines.queue import fair_share, next_in
 from model.engines.rates import are_finite, is_too_short, rates_at
@@ -48,6 +49,7 @@ from model.engines.record import (
     AT,
     CLOSEST,
     ERROR,
+    FORCES,
     MODE,
     SIZE,
     STATE,
@@ -65,7 +67,7 @@ from model.events.event_functions import NEVER, ON_AN_EVENT
 from model.events.friction import hold_sticking
 from model.events.outcomes import REASON
 from model.events.transitions import CONTINUES
-from model.physics.modes import Mode
+from model.physics.modes import CLOSED, Mode
 from model.physics.notation import STATE_SIZE
 
 POOL = 128  # largest number of runs that a thread has at once
@@ -154,15 +156,15 @@ def _advance(scene, lanes, until, history, control, w, lane, runs, i):
     continues = runs[i, AT.outcome] == CONTINUES
     if not continues:
         until = (runs[i, AT.time] - start) / length
-    tilt, force = 0.0, 0.0
-    counted = is_counted(mode_of_lane(lanes, w, lane), constants_of_lane(lanes, w, lane))
-    if counted and control.alignment_only == 0.0:
-        tilt, force = largest_until(
-            lanes, runs[i, AT.tilt_max], runs[i, AT.contact_force_max], until, w, lane
-        )
-    elif scene.events.inserts:
-        _, force = largest_until(lanes, inf, runs[i, AT.side_force_max], until, w, lane)
-    note_step(scene, until * length, tilt, force, runs, i)
+    mode, tilt = mode_of_lane(lanes, w, lane), 0.0
+    if control.alignment_only == 0.0:
+        tilt = largest_tilt(runs[i, AT.tilt_max], until, w, lane)
+    note_step(scene, until * length, tilt, runs, i)
+    if notes_forces(scene, mode, control, runs, i):
+        for line, state, place in loads_of(mode):
+            if state == CLOSED:
+                known = runs[i, FORCES + place]
+                runs[i, FORCES + place] = largest_force(line, known, until, w, lane)
     if not continues:
         return False
     if _carries_error(scene, control, runs, i):
@@ -288,7 +290,7 @@ def _enqueue(scene, lanes, control, memory, results, i):
         advance(scene, control, memory.track, memory.history, memory.work, runs, i)
         kind = kind_of(lanes, mode_of(runs, i))
     if runs[i, AT.outcome] != CONTINUES:
-        store_result(runs, i, results, int(runs[i, AT.number_in_batch]))
+        store_result(scene.events, runs, i, results, int(runs[i, AT.number_in_batch]))
         return False
     waiting.runs[kind, (waiting.firsts[kind] + waiting.counts[kind]) % POOL] = i
     waiting.counts[kind] += 1

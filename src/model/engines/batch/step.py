@@ -34,14 +34,11 @@ from model.engines.batch.workspace import (
     LAST_ORDER,
     LINE,
     LONGEST,
-    STEP_FORCE,
     STEP_LENGTH,
-    STEP_TILT,
     TIME,
     TOLERANCE,
     VALUES,
     constants_of_lane,
-    loads_of,
     lowest_bit,
     mode_of_lane,
     state_in_lane,
@@ -49,7 +46,6 @@ from model.engines.batch.workspace import (
 )
 from model.events.event_functions import FLAT, NEVER, ON_AN_EVENT
 from model.events.friction import REST_SLIP, without_slip
-from model.physics.modes import CLOSED
 from model.physics.trigonometry import sine_cosine
 
 ALL_SUBINTERVALS = 15  # mask
@@ -271,35 +267,6 @@ def _find(lanes, w):
             _find_single(lanes, which, w)
 
 
-@inlined_kernel
-def _at_most(line, w, i):
-    """Upper bound of a quantity's size in the step, from its samples and its curvature bound."""
-    first, node = (VALUES + line) * WIDTH + i, SINES * WIDTH
-    ends, inner = max(abs(w[first]), abs(w[first + 4 * node])), abs(w[first + 2 * node])
-    inner = max(inner, max(abs(w[first + node]), abs(w[first + 3 * node])))
-    return max(ends, inner) + curvature_bound(line, w, i)
-
-
-@inlined_kernel
-def _force_at_most(lanes, loads, w, i):
-    """Upper bound of the normal force on support or side in the step; see ``loads_of``."""
-    (edge_load, edge), (corner_load, corner) = loads
-    force = _at_most(edge_load, w, i) if edge == CLOSED else 0.0
-    if lanes.events.inserts:
-        force += _at_most(corner_load, w, i) if corner == CLOSED else 0.0
-    return force
-
-
-@kernel
-def _set_largest(lanes, w):
-    """Write upper bounds of |tilt| and of normal forces in the step."""
-    for i in each_lane():
-        support, side = loads_of(mode_of_lane(lanes, w, i))
-        w[STEP_TILT * WIDTH + i] = _at_most(TILT, w, i)
-        forces = _force_at_most(lanes, support, w, i), _force_at_most(lanes, side, w, i)
-        w[STEP_FORCE * WIDTH + i] = max(forces[0], forces[1])
-
-
 @kernel
 def _end_steps(lanes, w):
     """Write the state at the end of every step, with sticking contacts at rest."""
@@ -314,8 +281,7 @@ def step_all(lanes, kind, applicable, control, addresses, w):
     """Make one step in every lane, and find the candidates for events in it.
 
     ``applicable`` is the mask of the events that may apply in any lane; ``addresses`` are those of
-    ``Series``. Upper bounds of tilt and forces are written unless ``control`` asks for alignment
-    only.
+    ``Series``.
     """
     _set_sines(lanes, w)
     carries_error = control.carries_error != 0.0
@@ -329,6 +295,4 @@ def step_all(lanes, kind, applicable, control, addresses, w):
     sample_levels(lanes, applicable, w)
     _screen(lanes, applicable, w)
     _find(lanes, w)
-    if control.alignment_only == 0.0:
-        _set_largest(lanes, w)
     _end_steps(lanes, w)

@@ -19,6 +19,7 @@ from model.compile.vector_code import WIDTH
 from model.engines.batch.series import GIVEN, SYMBOLS, EventQuantities
 from model.engines.batch.series_layout import FURTHER_LINES, LINES, NODES, ORDERS, SINES, TILT
 from model.engines.scalar.tableaux import Array
+from model.events.table import PLACES_OF_CONTACT
 from model.physics.modes import MODE_KINDS, START, Mode
 from model.physics.notation import STATE_SIZE, State
 
@@ -32,10 +33,8 @@ MODE_LINE = GIVEN  # in the order of ``Mode``
     STEP_LENGTH,
     APPLICABLE,  # mask of the events that may apply in the mode
     CANDIDATES,  # mask of the events that may happen in the step
-    STEP_TILT,  # upper bound of |tilt| in the step
-    STEP_FORCE,  # upper bound of the normal forces in the step
     LAST_ORDER,  # of the states' series
-) = range(MODE_LINE + len(Mode._fields), MODE_LINE + len(Mode._fields) + 10)
+) = range(MODE_LINE + len(Mode._fields), MODE_LINE + len(Mode._fields) + 8)
 END = LAST_ORDER + 1
 ERROR = END + STATE_SIZE  # series of the error that a run carries, in the layout of COEFFICIENTS
 # The tilt and the event quantities at each node, and their curvature bounds.
@@ -47,16 +46,20 @@ LINE = {"tilt": TILT} | {name: STATE_SIZE + n for n, name in enumerate(EventQuan
 FACE_LOAD, SIDE_LOAD, CORNER_LOAD, WALL_LOAD = (
     LINE[f"{contact}_load"] for contact in ("face", "side", "corner", "wall")
 )
+EDGE, SIDE, WALL = map(PLACES_OF_CONTACT.index, ("edge", "side", "wall"))
 CONTACTS_AT = FACE_LOAD  # the first line that is neither a state nor a place
 
 
 @inlined_kernel
 def loads_of(mode):
-    """Return for support and side the pairs (line of the load, normal state) of edge and corner."""
+    """Return (line, normal state, index in ``PLACES_OF_CONTACT``) of the load of each contact.
+
+    Lanes hold no corner on the flat base.
+    """
     return (
-        ((FACE_LOAD, mode.face), (CORNER_LOAD, mode.corner)),
-        ((SIDE_LOAD, mode.side), (WALL_LOAD, mode.wall)),
-    )
+        (FACE_LOAD, mode.face, SIDE if mode.in_slot else EDGE), (SIDE_LOAD, mode.side, SIDE),
+        (CORNER_LOAD, mode.corner, WALL), (WALL_LOAD, mode.wall, WALL),
+    )  # fmt: skip
 
 
 _CACHE_LINE = 64  # bytes

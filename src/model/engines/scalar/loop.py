@@ -12,15 +12,16 @@ from model.engines.lifecycle import (
     begin,
     end_step,
     fail,
-    is_counted,
     new_history,
     note_step,
+    notes_forces,
 )
 from model.engines.queue import next_in
 from model.engines.rates import are_finite, is_too_short, moved
 from model.engines.record import (
     AT,
     CLOSEST,
+    FORCES,
     SIZE,
     STATE,
     constants_of,
@@ -32,7 +33,7 @@ from model.engines.record import (
 )
 from model.engines.results import TRACK_VARIABLES
 from model.engines.scalar.location import NO_EVENT, NODE_PLACES, NODES, first_event, sample_step
-from model.engines.scalar.peaks import largest_in
+from model.engines.scalar.peaks import largest_force, largest_tilt
 from model.engines.scalar.step import (
     CAUTION,
     LEAST_GROWTH,
@@ -255,12 +256,13 @@ def advance(scene, control, track, history, work, runs, i):
         sample_step(
             scene.events, time, h_step, part, y, work.dense, p, mode, work.nodes, work.samples
         )
-    so_far = AT.contact_force_max if is_counted(mode, p) else AT.side_force_max
-    tilt, force = largest_in(
-        scene.events, part, time, h_step, y, work.dense, p, mode, work.nodes, work.samples,
-        work.scratch[0], runs[i, AT.tilt_max], runs[i, so_far],
-    )  # fmt: skip
-    note_step(scene, length, max(tilt, abs(work.y_end[2])), force, runs, i)
+    dense = part, time, h_step, y, work.dense, p, mode, work.nodes, work.samples, work.scratch[0]
+    tilt = largest_tilt(scene.events, runs[i, AT.tilt_max], *dense)
+    note_step(scene, length, max(tilt, abs(work.y_end[2])), runs, i)
+    if notes_forces(scene, mode, control, runs, i):
+        for number, place in scene.events.loads:
+            force = largest_force(scene.events, number, runs[i, FORCES + place], *dense)
+            runs[i, FORCES + place] = force
 
     store_state(state_of(work.y_end), runs, i)
     reached_stop = not found and h_step == h_try and h_try == stop - time
@@ -313,5 +315,5 @@ def integrate_each(rows, tolerances, scene, control, track, queue, results, memo
     row = next_in(queue)
     while row < rows.shape[0]:
         integrate(rows[row], tolerances[row], scene, control, track, memory)
-        store_result(memory.runs, 0, results, row)
+        store_result(scene.events, memory.runs, 0, results, row)
         row = next_in(queue)
