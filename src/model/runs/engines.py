@@ -2,7 +2,7 @@
 
 import logging
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor, wait
+from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
 from typing import Literal, get_args
 
 import numpy as np
@@ -12,7 +12,7 @@ from model.compile.entries import COMPILES, compiled
 from model.engines.batch import scheduling
 from model.engines.batch.lane_events import lane_events_of
 from model.engines.batch.scheduling import new_batch_memory
-from model.engines.queue import Queue, new_queue
+from model.engines.queue import Queue, new_queue, stop
 from model.engines.results import RunResult
 from model.engines.scalar import loop
 from model.engines.scalar.loop import TRACK_COLUMNS, new_scalar_memory
@@ -101,25 +101,33 @@ def engine_for(settings: Settings, name: Engine | None = None, cores: int = 1) -
 
 
 def _on_cores(fill: Callable[[Array, Array, Queue, Array], None], cores: int) -> Run:
-    """Return the engine whose kernel ``fill`` takes rows from a queue and writes their results.
-
-    The kernels of all ``cores`` share the queue; they release the global interpreter lock.
-    """
+    """Return the engine whose kernel ``fill`` takes rows from a queue and writes their results."""
 
     def run(rows: Array, tolerances: Array) -> Array:
         results = np.empty((len(rows), len(RunResult._fields)))
         threads = max(1, min(cores, len(rows)))
-        queue = new_queue(len(rows), threads)
-        told = PROGRESS.isEnabledFor(logging.INFO)
-        if threads == 1 and not told:
-            fill(rows, tolerances, queue, results)
-            return results
-        with ThreadPoolExecutor(threads) as pool:
-            shares = [pool.submit(fill, rows, tolerances, queue, results) for _ in range(threads)]
-            while wait(shares, _PAUSE if told else None).not_done:
-                PROGRESS.info("%s of %s runs", f"{min(queue[0], len(rows)):,}", f"{len(rows):,}")
-        for share in shares:
-            share.result()
+        in_threads(lambda queue: fill(rows, tolerances, queue, results), len(rows), threads)
         return results
 
     return run
+
+
+def in_threads(work: Callable[[Queue], None], waiting: int = 1, threads: int = 1) -> None:
+    """Call ``work`` in each of ``threads`` with one queue of ``waiting`` runs, and wait for all.
+
+    Kernels release the global interpreter lock. Progress is told meanwhile; an interrupt, or an
+    error in one thread, stops them all after their present step.
+    """
+    queue, told = new_queue(waiting, threads), PROGRESS.isEnabledFor(logging.INFO)
+    with ThreadPoolExecutor(threads) as pool:
+        shares = [pool.submit(work, queue) for _ in range(threads)]
+        try:
+            while (now := wait(shares, _PAUSE if told else None, FIRST_EXCEPTION)).not_done:
+                for share in now.done:
+                    share.result()
+                PROGRESS.info("%s of %s runs", f"{min(queue[0], waiting):,}", f"{waiting:,}")
+        except BaseException:
+            stop(queue)
+            raise
+    for share in shares:
+        share.result()

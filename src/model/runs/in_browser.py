@@ -55,10 +55,10 @@ def _run_one(scene: Scene) -> Any:
     events = in_kernels(scene)
 
     @kernel
-    def run_one(given, limits, track, results, constants, memory):
+    def run_one(given, limits, track, queue, results, constants, memory):
         _resolve(given[0], constants)
         control = _control_in(limits)
-        integrate_trace(constants, limits[0], events, control, track, results, memory)
+        integrate_trace(constants, limits[0], events, control, track, results, memory, queue)
 
     return run_one
 
@@ -107,13 +107,13 @@ def _declared() -> dict[str, _Declared]:
     results = np.zeros((1, _RESULTS))
     one = {
         "given": given, "limits": limits, "track": np.zeros((1, len(COLUMNS))),
-        "results": results, "constants": np.zeros(_CONSTANTS), "memory": new_scalar_memory(),
+        "queue": np.zeros(3, np.int64), "results": results, "constants": np.zeros(_CONSTANTS), "memory": new_scalar_memory(),
     }  # fmt: skip
     lanes = lane_events_of(in_kernels(ALIGNMENT).events)
     many = {
         "given": given, "limits": limits, "results": results,
         "constants": np.zeros((1, _CONSTANTS)), "tolerances": np.zeros(1),
-        "queue": np.zeros(2, np.int64), "memory": new_batch_memory(lanes),
+        "queue": np.zeros(3, np.int64), "memory": new_batch_memory(lanes),
     }  # fmt: skip
     sets = dict.fromkeys(("given", "results"), "sets")
     return {

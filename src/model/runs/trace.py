@@ -1,5 +1,6 @@
 """Trace of a run: its track with the mode, the contact forces and the event of every row."""
 
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -7,6 +8,7 @@ import numpy as np
 from model.compile.entries import compiled
 from model.compile.kernels import inlined_kernel, kernel
 from model.engines.lifecycle import begin
+from model.engines.queue import is_stopped
 from model.engines.record import AT, constants_of, mode_of, store_result
 from model.engines.results import TRACK_VARIABLES, RunResult
 from model.engines.scalar.loop import TRACK_COLUMNS, advance, new_scalar_memory, track_run
@@ -15,7 +17,7 @@ from model.events.transitions import CONTINUES
 from model.physics.modes import Mode
 from model.physics.motion import Motion, motion
 from model.physics.parameters import Batch, Parameters
-from model.runs.engines import Array
+from model.runs.engines import Array, in_threads
 from model.runs.settings import Settings
 
 # The contact forces of ``Motion``: loads and friction.
@@ -51,7 +53,7 @@ def _note_modes(mode, event, track, first, end, p):
 
 
 @kernel
-def integrate_trace(constants, tolerance, scene, control, track, results, memory):
+def integrate_trace(constants, tolerance, scene, control, track, results, memory, queue):
     """Integrate as ``integrate`` does, with event, mode and forces in the track; see ``COLUMNS``.
 
     At an event two rows have the same time, before and after it; the second has its number.
@@ -62,7 +64,7 @@ def integrate_trace(constants, tolerance, scene, control, track, results, memory
     track_run(scene.events, track, work.scratch[0], runs, i)
     p = constants_of(scene.events, runs, i)
     _note_modes(mode_of(runs, i), 0.0, track, 0, 1, p)
-    while runs[i, AT.outcome] == CONTINUES:
+    while runs[i, AT.outcome] == CONTINUES and not is_stopped(queue):
         first, events, before = int(runs[i, AT.tracked]), runs[i, AT.events], mode_of(runs, i)
         advance(scene, control, track, history, work, runs, i)
         end = int(runs[i, AT.tracked])
@@ -91,7 +93,8 @@ def trace_run(parameters: Parameters, settings: Settings) -> Trace:
     while True:
         memory, track = new_scalar_memory(), np.empty((rows, len(COLUMNS)))
         results = np.empty((1, len(RunResult._fields)))
-        _integrate_trace(constants, settings.tolerance, scene, control, track, results, memory)
+        arguments = constants, settings.tolerance, scene, control, track, results, memory
+        in_threads(partial(_integrate_trace, *arguments))
         found = RunResult(*results[0].tolist())
         if found.tracked <= rows:
             return Trace(found._asdict(), track[: int(found.tracked)])

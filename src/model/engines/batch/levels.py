@@ -164,8 +164,7 @@ def _quantities(inserts: bool, constants: type[Constants]) -> dict[Source, Any]:
         along_axis = right * along_axis + left * places["left_along_axis"]
     p, behind = SYMBOLS, SYMBOLS.half_height + along_axis
     if constants.is_round:
-        edge = _MODE_SYMBOLS.edge if inserts else RIGHT_EDGE
-        behind = edge * places["tips_depth"]
+        behind = (_MODE_SYMBOLS.edge if inserts else RIGHT_EDGE) * places["tips_depth"]
     sources = {
         PLACES: CornerPositions(**(unknown | places)),
         FACE: ContactState(behind, _line("face_load"), along_face),

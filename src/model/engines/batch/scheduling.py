@@ -43,7 +43,7 @@ from model.engines.lifecycle import (
     note_step,
     notes_forces,
 )
-from model.engines.queue import fair_share, next_in
+from model.engines.queue import fair_share, is_stopped, next_in
 from model.engines.rates import are_finite, is_too_short, rates_at
 from model.engines.record import (
     AT,
@@ -367,7 +367,7 @@ def integrate_all(sets, tolerances, scene, lanes, control, queue, results, memor
     """
     counts, carries_error = memory.waiting.counts, control.carries_error != 0.0
     kind = _fullest(counts)
-    while counts[kind] > 0:
+    while counts[kind] > 0 and not is_stopped(queue):
         missing = missing_series(lanes, kind, carries_error, memory.addresses)
         if missing >= 0:
             return missing

@@ -16,7 +16,7 @@ from model.engines.lifecycle import (
     note_step,
     notes_forces,
 )
-from model.engines.queue import next_in
+from model.engines.queue import is_stopped, next_in
 from model.engines.rates import are_finite, is_too_short, moved
 from model.engines.record import (
     AT,
@@ -292,7 +292,7 @@ def new_scalar_memory() -> ScalarMemory:
 
 
 @kernel
-def integrate(row, tolerance, scene, control, track, memory):
+def integrate(row, tolerance, scene, control, track, queue, memory):
     """Run one parameter set to its end.
 
     ``row``, shape (constants,), holds the fields of ``Constants``; ``tolerance`` is the largest
@@ -305,7 +305,7 @@ def integrate(row, tolerance, scene, control, track, memory):
     i = 0
     begin(row, tolerance, scene, control, runs, i)
     track_run(scene.events, track, work.scratch[0], runs, i)
-    while runs[i, AT.outcome] == CONTINUES:
+    while runs[i, AT.outcome] == CONTINUES and not is_stopped(queue):
         advance(scene, control, track, history, work, runs, i)
 
 
@@ -313,7 +313,7 @@ def integrate(row, tolerance, scene, control, track, memory):
 def integrate_each(rows, tolerances, scene, control, track, queue, results, memory):
     """Integrate the rows of ``rows`` taken from ``queue``; shapes as in ``integrate_all``."""
     row = next_in(queue)
-    while row < rows.shape[0]:
-        integrate(rows[row], tolerances[row], scene, control, track, memory)
+    while row < rows.shape[0] and not is_stopped(queue):
+        integrate(rows[row], tolerances[row], scene, control, track, queue, memory)
         store_result(scene.events, memory.runs, 0, results, row)
         row = next_in(queue)
