@@ -34,6 +34,7 @@ from model.events.event_functions import (
     largest,
     not_fallen_in,
 )
+from model.events.kernels import in_kernels
 from model.events.scenes import ALIGNMENT
 from model.physics.contacts import contact_load, corner_on_flat, edge_on_face, edge_on_side
 from model.physics.forces import applied_forces
@@ -44,7 +45,7 @@ from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, STATE_SIZE, State
 from model.physics.parameters import Batch, Parameters
 from model.runs.settings import Settings
 
-_EVERY_CONTACT = ALIGNMENT.declared
+_EVERY_CONTACT, _EVENTS = in_kernels(ALIGNMENT)
 
 
 @inlined_kernel
@@ -133,7 +134,7 @@ def run_each(rows, euler, h, horizon, most_steps, out):
     unfinished after ``most_steps``.
     """
     for row in range(rows.shape[0]):
-        p = constants_in(rows[row])
+        p = constants_in(_EVENTS, rows[row])
         q, _ = start(p, _EVERY_CONTACT)
         steps, time, fallen_in, finished = 0, 0.0, False, False
         while steps < most_steps and not finished:
@@ -153,14 +154,14 @@ def write_rates(at, row, out):
 
     ``at`` holds time and state, shape (7,).
     """
-    store_in(rates(at[0], state_of(at[1:]), constants_in(row)), out)
+    store_in(rates(at[0], state_of(at[1:]), constants_in(_EVENTS, row)), out)
 
 
 @compiled
 @kernel
 def outside_of(at, row):
     """Return ``outside`` at time and state in ``at``, with the constants in ``row``."""
-    return outside(state_of(at[1:]), constants_in(row))
+    return outside(state_of(at[1:]), constants_in(_EVENTS, row))
 
 
 Scheme = Literal["rk4", "semi_implicit_euler"]

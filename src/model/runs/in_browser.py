@@ -27,9 +27,9 @@ from model.engines.lifecycle import Control
 from model.engines.results import RunResult
 from model.engines.scalar.loop import new_scalar_memory
 from model.events.insertion import INSERTION
-from model.events.kernels import in_kernels
+from model.events.kernels import SceneEvents, in_kernels
 from model.events.scenes import ALIGNMENT, Scene
-from model.physics.parameters import PARAMETER_NAMES, Constants, Given, resolved
+from model.physics.parameters import PARAMETER_NAMES, Constants, Given, Shape, resolved
 from model.runs.settings import Settings
 from model.runs.trace import COLUMNS, integrate_trace
 
@@ -50,23 +50,21 @@ def _control_in(limits):
     return Control(*(limits[1 + n] for n in range(len(Control._fields))))
 
 
-def _run_one(scene: Scene) -> Any:
+def _run_one(scene: SceneEvents) -> Any:
     """Make the kernel that runs one set and fills its track."""
-    events = in_kernels(scene)
 
     @kernel
     def run_one(given, limits, track, queue, results, constants, memory):
         _resolve(given[0], constants)
         control = _control_in(limits)
-        integrate_trace(constants, limits[0], events, control, track, results, memory, queue)
+        integrate_trace(constants, limits[0], scene, control, track, results, memory, queue)
 
     return run_one
 
 
-def _run_many(scene: Scene) -> Any:
+def _run_many(scene: SceneEvents) -> Any:
     """Make the kernel that runs any number of sets."""
-    events = in_kernels(scene)
-    lanes = lane_events_of(events.events)
+    lanes = lane_events_of(scene.events)
     lanes = replace(lanes, series=lanes.series.resident())
 
     @kernel
@@ -76,8 +74,8 @@ def _run_many(scene: Scene) -> Any:
             tolerances[n] = limits[0]
         queue[0], queue[1] = 0, given.shape[0]
         control = _control_in(limits)
-        begin_all(constants, tolerances, events, lanes, control, queue, results, memory)
-        integrate_all(constants, tolerances, events, lanes, control, queue, results, memory)
+        begin_all(constants, tolerances, scene, lanes, control, queue, results, memory)
+        integrate_all(constants, tolerances, scene, lanes, control, queue, results, memory)
 
     return run_many
 
@@ -101,15 +99,17 @@ class _Declared(NamedTuple):
     lengths: dict[str, str]
 
 
-def _declared() -> dict[str, _Declared]:
+def _declared(is_round: bool) -> dict[str, _Declared]:
     """Return the functions: ``run_one`` has the insertion scene, ``run_many`` ends at alignment."""
+    inserting, aligning = (in_kernels(each, is_round) for each in (INSERTION, ALIGNMENT))
     given, limits = np.zeros((1, _GIVEN)), np.zeros(1 + len(Control._fields))
     results = np.zeros((1, _RESULTS))
     one = {
         "given": given, "limits": limits, "track": np.zeros((1, len(COLUMNS))),
-        "queue": np.zeros(3, np.int64), "results": results, "constants": np.zeros(_CONSTANTS), "memory": new_scalar_memory(),
+        "queue": np.zeros(3, np.int64), "results": results, "constants": np.zeros(_CONSTANTS),
+        "memory": new_scalar_memory(),
     }  # fmt: skip
-    lanes = lane_events_of(in_kernels(ALIGNMENT).events)
+    lanes = lane_events_of(aligning.events)
     many = {
         "given": given, "limits": limits, "results": results,
         "constants": np.zeros((1, _CONSTANTS)), "tolerances": np.zeros(1),
@@ -117,9 +117,9 @@ def _declared() -> dict[str, _Declared]:
     }  # fmt: skip
     sets = dict.fromkeys(("given", "results"), "sets")
     return {
-        "run_one": _Declared(_run_one(INSERTION), one, sets | {"track": "rows"}),
+        "run_one": _Declared(_run_one(inserting), one, sets | {"track": "rows"}),
         "run_many": _Declared(
-            _run_many(ALIGNMENT), many, sets | dict.fromkeys(("constants", "tolerances"), "sets")
+            _run_many(aligning), many, sets | dict.fromkeys(("constants", "tolerances"), "sets")
         ),
     }
 
@@ -157,22 +157,23 @@ class Modules(NamedTuple):
     interface: dict[str, Any]
 
 
-def interface(scene: Scene = INSERTION) -> dict[str, Any]:
+def interface(scene: Scene = INSERTION, shape: Shape = "square") -> dict[str, Any]:
     """Return the names and numbers with which a page calls the engines and reads their results."""
+    events = in_kernels(scene, shape == "round").events
     return {
         "parameters": PARAMETER_NAMES,
         "columns": COLUMNS,
         "results": RunResult._fields,
         "limits": ["tolerance", *Control._fields],
         "defaults": [Settings().tolerance, *Settings().control],
-        "events": [each.name for each in scene.events],
+        "events": [each.event.name for each in events.all],
     }
 
 
-def _compile(folder: Path) -> None:
+def _compile(folder: Path, shape: Shape) -> None:
     """Write the modules and their interface into ``folder``."""
-    table = interface() | {"functions": {}}
-    for name, function in _declared().items():
+    table = interface(shape=shape) | {"functions": {}}
+    for name, function in _declared(shape == "round").items():
         types = tuple(flattened(each, []) for each in function.arguments.values())
         made = web_assembly_of((function.kernel, types))
         sha256 = hashlib.sha256(made.binary).hexdigest()
@@ -183,26 +184,26 @@ def _compile(folder: Path) -> None:
     (folder / "interface.json").write_text(json.dumps(table))
 
 
-def _folder() -> Path:
-    return cache_folder() / "webassembly"
+def _folder(shape: Shape) -> Path:
+    return cache_folder() / "webassembly" / shape
 
 
-def are_cached() -> bool:
+def are_cached(shape: Shape = "square") -> bool:
     """Return whether the modules are compiled already."""
-    return _folder().exists()
+    return _folder(shape).exists()
 
 
-def modules() -> Modules:
-    """Return the modules, compiled unless they are cached.
+def modules(shape: Shape = "square") -> Modules:
+    """Return the modules for parts of a shape, compiled unless they are cached.
 
     Raises:
         OSError: no folder for temporary files can be written.
     """
-    folder = _folder()
+    folder = _folder(shape)
     if (kept := _kept(folder)) is not None:
         return kept
     with tempfile.TemporaryDirectory() as made:
-        _compile(Path(made))
+        _compile(Path(made), shape)
         compiled = _kept(Path(made))
         with contextlib.suppress(OSError):  # a read-only cache, or another process was faster
             shutil.rmtree(folder, ignore_errors=True)  # damaged

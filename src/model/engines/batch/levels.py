@@ -140,7 +140,7 @@ def _is(field: str, value: float) -> Any:
 
 
 @cache
-def _quantities(inserts: bool, constants: type[Constants]) -> dict[Source, Any]:
+def _quantities(inserts: bool, is_round: bool) -> dict[Source, Any]:
     """Return the quantities of every source that the workspace holds, as sums of its lines.
 
     The sources are the corner positions, the contacts of the edges and, if the scene ``inserts``,
@@ -163,7 +163,7 @@ def _quantities(inserts: bool, constants: type[Constants]) -> dict[Source, Any]:
         along_face = right * along_face + left * places["left_along_face"]
         along_axis = right * along_axis + left * places["left_along_axis"]
     p, behind = SYMBOLS, SYMBOLS.half_height + along_axis
-    if constants.is_round:
+    if is_round:
         behind = (_MODE_SYMBOLS.edge if inserts else RIGHT_EDGE) * places["tips_depth"]
     sources = {
         PLACES: CornerPositions(**(unknown | places)),
@@ -213,7 +213,7 @@ def levels_of(
     source: Source, function: Callable[..., Any], inserts: bool, constants: type[Constants]
 ) -> tuple[Level, ...] | None:
     """Return the quantities of an event; None if the workspace does not hold its source."""
-    quantities = _quantities(inserts, constants)
+    quantities = _quantities(inserts, constants.is_round)
     if source not in quantities:
         return None
     mode = _MODE_SYMBOLS if inserts else _MODE_SYMBOLS._replace(edge=RIGHT_EDGE)
