@@ -10,6 +10,7 @@ in the insertion scene also those on A2, and those in the slot (mode_kinds.py li
 Other modes, and printed variants of the equations, are left to the reference engine.
 """
 
+from typing import Any
 
 import numpy as np
 
@@ -104,12 +105,11 @@ VARIED_IN_SLOT = tuple(n for n, name in enumerate(Mode._fields) if name != "corn
 @inlined_kernel
 def mode_of_lane(lanes, w, i):
     """Return the ``Mode`` of lane ``i``; ``lanes.varied`` are the fields that differ."""
-    return Mode(
-        *(
-            kind(w[(MODE_LINE + n) * WIDTH + i]) if n in lanes.varied else START[n]
-            for n, kind in enumerate(MODE_KINDS)
-        )
+    fields: Any = tuple(
+        kind(w[(MODE_LINE + n) * WIDTH + i]) if n in lanes.varied else START[n]
+        for n, kind in enumerate(MODE_KINDS)
     )
+    return Mode(*fields)
 
 
 @inlined_kernel
