@@ -222,9 +222,10 @@ class Expressions:
         found: Static | Number = Static(True)
         for how, right_node in zip(node.ops, node.comparators, strict=True):
             right = self.evaluate(right_node)
-            if isinstance(how, (ast.In, ast.NotIn)):
+            if isinstance(how, ast.In):
                 here = self._is_among(left, right)
-                here = negation(self.code, here) if isinstance(how, ast.NotIn) else here
+            elif isinstance(how, ast.NotIn):  # codespell:ignore
+                here = negation(self.code, self._is_among(left, right))
             else:
                 here = compared(self.code, how, left, right)
             found, left = both(self.code, "and", found, here), right

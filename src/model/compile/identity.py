@@ -55,7 +55,11 @@ def identity_of(known: Any) -> str:
         return str(known.identity)
     if id(known) not in _LASTING:
         _LASTING[id(known)] = known, getattr(known, "__qualname__", "")  # where it holds itself
-        _LASTING[id(known)] = known, _lasting(known)
+        try:
+            _LASTING[id(known)] = known, _lasting(known)
+        except OutsideError:
+            del _LASTING[id(known)]
+            raise
     return _LASTING[id(known)][1]
 
 
