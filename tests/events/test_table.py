@@ -273,5 +273,5 @@ def test_overturned_just_below_ninety_degrees_on_both_sides(sample):
 def test_the_identity_of_a_table_tells_nothing_of_the_checkout():
     """Else every checkout would compile the kernels of the table anew."""
     told = identity_of(events_of(INSERTION.events))
-    assert "events/insertion.py" in told
+    assert "model.events.insertion." in told
     assert str(PACKAGE) not in told

@@ -23,6 +23,7 @@ from model.compile.machine_code import written_for
 from model.compile.outline import outline
 
 _CHECKSUM = 4  # bytes
+_UNWRITTEN: dict[str, tuple[dict[str, Any], bytes]] = {}  # what could not be written
 KERNEL_LAYERS = ("compile", "physics", "events", "engines", "runs")  # folders that hold kernels
 
 
@@ -65,13 +66,19 @@ def cache_folder() -> Path:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError:  # a read-only home: use a temporary folder of this user's own
-        folder = Path(tempfile.gettempdir()) / f"vibralign-{os.getuid()}" / folder.name
-        folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+        own = Path(tempfile.gettempdir()) / f"vibralign-{os.getuid()}"
+        own.mkdir(exist_ok=True, mode=0o700)
+        if own.lstat().st_uid != os.getuid() or own.lstat().st_mode & 0o022:
+            own = Path(tempfile.mkdtemp())  # machine code that others can write is not loaded
+        folder = own / folder.name
+        folder.mkdir(exist_ok=True)
     return folder
 
 
 def read(name: str) -> tuple[dict[str, Any], bytes] | None:
     """Return header and object stored under a name; None if they are missing or damaged."""
+    if name in _UNWRITTEN:
+        return _UNWRITTEN[name]
     with contextlib.suppress(OSError):
         content = _path(name).read_bytes()
         body = content[_CHECKSUM:]
@@ -85,15 +92,14 @@ def write(name: str, header: dict[str, Any], stored: bytes) -> None:
     """Store a header and an object under a name, whole or not at all."""
     body = json.dumps(header).encode() + b"\n" + stored
     path = _path(name)
-    with contextlib.suppress(OSError):
-        descriptor, made = tempfile.mkstemp(dir=path.parent, prefix=".part-")
-        try:
-            with os.fdopen(descriptor, "wb") as file:
-                file.write(_checksum(body) + body)
-            Path(made).replace(path)
-        except BaseException:
-            Path(made).unlink(missing_ok=True)
-            raise
+    made = path.with_name(f".{name}-{os.getpid()}")
+    try:
+        made.write_bytes(_checksum(body) + body)
+        made.replace(path)
+    except OSError:
+        _UNWRITTEN[name] = header, stored
+        with contextlib.suppress(OSError):
+            made.unlink(missing_ok=True)
 
 
 def _path(name: str) -> Path:

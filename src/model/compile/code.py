@@ -1,14 +1,20 @@
 """Code of one function in LLVM's language, as it is written: blocks, instructions, variables.
 
-Variables are places on the stack, which LLVM's optimiser turns into registers.
+Variables are places on the stack, which LLVM's optimiser turns into registers. A place is a value
+with addresses in place of its numbers.
 """
 
 from collections.abc import Callable, Iterable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from model.compile.values import (
     BOOLEAN,
     DOUBLE,
     INTEGER,
+    KINDS,
     Array,
     Group,
     Number,
@@ -17,6 +23,9 @@ from model.compile.values import (
     Value,
     at_run_time,
     constant,
+    element_kind,
+    element_strides,
+    in_no_type,
     in_words,
     joined,
     known_number,
@@ -25,8 +34,7 @@ from model.compile.values import (
     rebuilt,
     type_of,
 )
-
-Places = list[tuple[str, str]]  # of a variable's leaves on the stack: (kind, address)
+from model.compile.vector_code import WIDTH, VectorFunction
 
 _CONVERSIONS = {
     (BOOLEAN, INTEGER): "zext i1 {} to i64",
@@ -39,34 +47,82 @@ _CONVERSIONS = {
 PYTHON_KINDS = {BOOLEAN: bool, INTEGER: int, DOUBLE: float}
 
 
+class Declarations:
+    """What the functions of a module share: constants, functions elsewhere, loops over lanes.
+
+    Attributes:
+        contract: whether a product and a sum may become one operation.
+        texts: each declaration in LLVM's language, by its name.
+        vectors: functions of vectors that are called, by their names.
+    """
+
+    def __init__(self, contract: bool) -> None:
+        self.contract = contract
+        self.texts: dict[str, str] = {}
+        self.vectors: dict[str, VectorFunction] = {}
+        self._arrays: dict[int, tuple[Array, Any]] = {}
+
+    def array(self, known: NDArray[Any]) -> Array:
+        """Return an array of numpy as constants."""
+        if id(known) not in self._arrays:
+            kind, name = element_kind(known), f"@array{len(self._arrays)}"
+            numbers = ", ".join(f"{kind} {constant(each).name}" for each in known.ravel().tolist())
+            place = f"[{known.size} x {kind}]"
+            self.texts[name] = f"{name} = internal constant {place} [{numbers}], align 64"
+            strides = element_strides(np.ascontiguousarray(known))
+            found = Array(name, kind, known.shape, strides, is_constant=True)
+            self._arrays[id(known)] = found, known
+        return self._arrays[id(known)][0]
+
+    def lanes(self) -> tuple[str, str]:
+        """Return metadata of accesses in a new loop over lanes, and of its jump back."""
+        group = 2 * len(self.texts)
+        hints = (
+            '"llvm.loop.vectorize.enable", i1 true', f'"llvm.loop.vectorize.width", i32 {WIDTH}',
+            '"llvm.loop.interleave.count", i32 1', '"llvm.loop.unroll.disable"',
+            f'"llvm.loop.parallel_accesses", !{group}',
+        )  # fmt: skip
+        loop = f"!{group + 1}"
+        listed = ", ".join([loop, *(f"!{{!{each}}}" for each in hints)])
+        self.texts[loop] = f"!{group} = distinct !{{}}\n{loop} = distinct !{{{listed}}}"
+        return f", !llvm.access.group !{group}", f", !llvm.loop {loop}"
+
+    def function(self, name: str, kinds: list[str], result: str = "void") -> None:
+        """Declare a function of another module."""
+        self.texts[name] = f"declare {result} @{name}({', '.join(kinds)}) nounwind"
+
+
 class Code:
     """The code of one function.
 
     Attributes:
+        declared: declarations of the module.
         closed: True after an instruction that leaves the block: what follows is never reached.
         contract: flag of instructions that may become fused multiply-adds, or nothing.
+        group: metadata of accesses to memory in a loop over lanes, or nothing.
     """
 
-    def __init__(self, contract: bool) -> None:
-        self.contract = " contract" if contract else ""
-        self.group = ""  # of accesses to memory in a loop over lanes, as instructions take it
+    def __init__(self, declared: Declarations) -> None:
+        self.declared = declared
+        self.contract = " contract" if declared.contract else ""
+        self.group = ""
+        self.closed = True
         self._count = 0
         self._variables: list[str] = []
-        self._blocks: list[str] = []
         self._lines: list[str] = []
-        self.closed = True
 
     # ------------------------------------------------------------------------------------- blocks
 
     def text(self, head: str) -> str:
         """Return the whole function, after its ``head``."""
-        entry = "\n".join(self._variables)
-        return "\n".join([head + " {\nentry:", entry, "br label %begin", *self._lines, "}"])
+        return "\n".join(
+            [head + " {\nentry:", *self._variables, "br label %begin", *self._lines, "}"]
+        )
 
-    def label(self, what: str) -> str:
-        """Return the name of a new block."""
+    def labels(self, *what: str) -> list[str]:
+        """Return names of new blocks."""
         self._count += 1
-        return f"{what}{self._count}"
+        return [f"{each}{self._count}" for each in what]
 
     def begin(self, label: str) -> None:
         """Begin a block."""
@@ -89,52 +145,46 @@ class Code:
         self._lines.append(text)
         self.closed = True
 
-    def jump(self, label: str) -> None:
+    def jump(self, label: str, metadata: str = "") -> None:
         """Continue at a block, unless the present one has been left."""
         if not self.closed:
-            self.leave(f"br label %{label}")
+            self.leave(f"br label %{label}{metadata}")
 
     def branch(self, condition: Number, yes: str, no: str) -> None:
         """Continue at one of two blocks."""
         self.leave(f"br i1 {condition.name}, label %{yes}, label %{no}")
 
-    # ---------------------------------------------------------------------------------- variables
+    # ---------------------------------------------------------------------------- places in memory
 
-    def variable(self, type_: Type) -> Places:
-        """Make a variable of this type."""
-        places = []
+    def variable(self, type_: Type) -> Value:
+        """Return a new place for values of this type."""
+        names = []
         for kind in leaf_kinds(type_):
             self._count += 1
-            name = f"%v{self._count}"
-            self._variables.append(f"{name} = alloca {kind}")
-            places.append((kind, name))
-        return places
-
-    def store(self, value: Value, places: Places) -> None:
-        """Store a value of the variable's type."""
-        for leaf, (kind, place) in zip(leaves(value), places, strict=True):
-            self.put(f"store {kind} {leaf.name}, ptr {place}{self.group}")
-
-    def load(self, type_: Type, places: Places) -> Value:
-        """Load a variable of this type."""
-        names = [self.do(f"load {kind}, ptr {at}{self.group}") for kind, at in places]
+            names.append(f"%v{self._count}")
+            self._variables.append(f"{names[-1]} = alloca {kind}")
         return rebuilt(type_, iter(names))
 
-    def read(self, place: Array) -> Number:
-        """Load the number of a place, an array of no dimension."""
-        return Number(place.kind, self.do(f"load {place.kind}, ptr {place.pointer}{self.group}"))
+    def store(self, value: Value, place: Value) -> None:
+        """Store a value of the place's type."""
+        for leaf, at in zip(leaves(value), leaves(place), strict=True):
+            self.put(f"store {at.kind} {leaf.name}, ptr {at.name}{self.group}")
 
-    def write(self, number: Value, place: Array) -> None:
-        """Store a number at a place."""
-        text = _typed(self.of_kind(number, place.kind))
-        self.put(f"store {text}, ptr {place.pointer}{self.group}")
+    def load(self, place: Value) -> Value:
+        """Load the value of a place."""
+        names = [self.do(f"load {at.kind}, ptr {at.name}{self.group}") for at in leaves(place)]
+        return rebuilt(place, iter(names))
+
+    def element(self, array: Array) -> Number:
+        """Return the place of the number that an array of no dimension is."""
+        return Number(array.kind, array.pointer)
 
     def address(self, array: Array, offset: Value) -> str:
         """Return the address of a number of an array, ``offset`` numbers after the first."""
-        place = at_run_time(offset)
-        if isinstance(place, Number) and known_number(place) == 0:
+        place = self.number(offset)
+        if known_number(place) == 0:
             return array.pointer
-        return self.do(f"getelementptr {array.kind}, ptr {array.pointer}, {_typed(place)}")
+        return self.do(f"getelementptr {array.kind}, ptr {array.pointer}, i64 {place.name}")
 
     # ------------------------------------------------------------------------------------ numbers
 
@@ -146,6 +196,13 @@ class Code:
                 f"{what} must be a number, and is {in_words(type_of(found))}", "pass one"
             )
         return found
+
+    def whole(self, value: Value, what: str) -> Number:
+        """Return a value that must be an int or a bool, as an int."""
+        number = self.number(value, what)
+        if number.kind == DOUBLE:
+            raise SubsetError(f"a float as {what}", "take int(...) of it")
+        return self.of_kind(number, INTEGER)
 
     def of_kind(self, value: Value, kind: str) -> Number:
         """Return a number as one of another kind, as Python converts it."""
@@ -160,18 +217,17 @@ class Code:
         """Return a value as one of the wider ``type_`` with which its own has been ``joined``."""
         if type_of(value) == type_:
             return value
-        if isinstance(type_, str):
-            return self.of_kind(value, type_)
+        if isinstance(type_, Number):
+            return self.of_kind(value, type_.kind)
         value = at_run_time(value)
-        if isinstance(value, Group):
-            items = zip(value.items, type_.items, strict=True)  # type: ignore[union-attr]
-            return Group(type_.made_by, tuple([self.of_type(*each) for each in items]))  # type: ignore[union-attr]
+        if isinstance(value, Group) and isinstance(type_, Group):
+            items = zip(value.items, type_.items, strict=True)
+            return Group(type_.made_by, tuple([self.of_type(*each) for each in items]))
         return value
 
     def widened(self, one: Value, other: Value, least: str = BOOLEAN) -> tuple[Number, Number]:
         """Return two numbers as numbers of the wider kind, and at least of the kind ``least``."""
-        kinds = [self.number(one).kind, self.number(other).kind, least]
-        kind = max(kinds, key=(BOOLEAN, INTEGER, DOUBLE).index)
+        kind = max(self.number(one).kind, self.number(other).kind, least, key=KINDS.index)
         return self.of_kind(one, kind), self.of_kind(other, kind)
 
     def arithmetic(self, operation: str, one: Value, other: Value) -> Number:
@@ -180,95 +236,91 @@ class Code:
         if a.kind == DOUBLE:
             text = f"f{operation}{self.contract} double {a.name}, {b.name}"
             return Number(DOUBLE, self.do(text))
-        return self.whole(operation, a, b)
+        return self.integers(operation, a, b)
 
-    def whole(self, operation: str, one: Value, other: Value) -> Number:
+    def integers(self, operation: str, one: Value, other: Value) -> Number:
         """Return the result of an instruction on integers, or on two booleans."""
         a, b = self.number(one), self.number(other)
         if a.kind != BOOLEAN or b.kind != BOOLEAN or operation not in ("and", "or", "xor"):
-            if DOUBLE in (a.kind, b.kind):
-                raise SubsetError("bits of a float", "take int(...) of it, or view it as np.int64")
-            a, b = self.of_kind(a, INTEGER), self.of_kind(b, INTEGER)
-        return Number(a.kind, self.do(f"{operation} {_typed(a)}, {b.name}"))
+            a, b = (self.whole(each, "an operand of this") for each in (a, b))
+        return Number(a.kind, self.do(f"{operation} {a.kind} {a.name}, {b.name}"))
 
     def compare(self, how: str, one: Value, other: Value) -> Number:
         """Compare two numbers: "eq", "ne", "lt", "le", "gt" or "ge"."""
-        a, b = self.widened(one, other)
+        is_equality = how in ("eq", "ne")
+        a, b = self.widened(one, other, BOOLEAN if is_equality else INTEGER)
         if a.kind == DOUBLE:
-            condition = "une" if how == "ne" else f"o{how}"
-            return Number(BOOLEAN, self.do(f"fcmp {condition} double {a.name}, {b.name}"))
-        if a.kind == BOOLEAN and how not in ("eq", "ne"):
-            a, b = self.of_kind(a, INTEGER), self.of_kind(b, INTEGER)
-        condition = how if how in ("eq", "ne") else f"s{how}"
-        return Number(BOOLEAN, self.do(f"icmp {condition} {_typed(a)}, {b.name}"))
+            text = f"fcmp {'une' if how == 'ne' else f'o{how}'} double {a.name}, {b.name}"
+        else:
+            text = f"icmp {how if is_equality else f's{how}'} {a.kind} {a.name}, {b.name}"
+        return Number(BOOLEAN, self.do(text))
 
     def select(self, condition: Number, yes: Value, no: Value) -> Value:
         """Return one of two values, both of which are computed."""
         type_ = joined(type_of(yes), type_of(no))
         if type_ is None:
-            found = f"{in_words(type_of(yes))} or {in_words(type_of(no))}"
-            raise SubsetError(f"a value that is {found}", "give both the same type")
-        pairs = zip(
-            leaves(self.of_type(yes, type_)), leaves(self.of_type(no, type_)), strict=True
-        )  # fmt: skip
-        text = f"select i1 {condition.name}, {{}}, {{}}"
-        names = [self.do(text.format(_typed(a), _typed(b))) for a, b in pairs]
+            raise in_no_type(type_of(yes), type_of(no))
+        both = zip(leaves(self.of_type(yes, type_)), leaves(self.of_type(no, type_)), strict=True)
+        head = f"select i1 {condition.name}"
+        names = [self.do(f"{head}, {a.kind} {a.name}, {b.kind} {b.name}") for a, b in both]
         return rebuilt(type_, iter(names))
 
     # -------------------------------------------------------------------------------------- calls
 
+    def intrinsic(self, name: str, *values: Value) -> Number:
+        """Return the result of a function of floats that LLVM knows."""
+        numbers = ", ".join(f"double {self.of_kind(each, DOUBLE).name}" for each in values)
+        return Number(DOUBLE, self.do(f"call{self.contract} double @llvm.{name}.f64({numbers})"))
+
     def call(self, function: str, result: Type, arguments: Iterable[Value]) -> Value:
         """Call a function: a name of the module, or an address."""
-        listed = ", ".join(_typed(leaf) for each in arguments for leaf in leaves(each))
+        found = [leaf for each in arguments for leaf in leaves(each)]
+        listed = ", ".join(f"{each.kind} {each.name}" for each in found)
         kinds = leaf_kinds(result)
         text = f"call {aggregate(kinds)} {function}({listed}){self.group}"
         if not kinds:
             self.put(text)
-            return rebuilt(result, iter(()))
-        found = self.do(text)
+            return result
         if len(kinds) == 1:
-            return rebuilt(result, iter([found]))
-        parts = [
-            self.do(f"extractvalue {aggregate(kinds)} {found}, {n}") for n in range(len(kinds))
-        ]
-        return rebuilt(result, iter(parts))
+            return rebuilt(result, iter([self.do(text)]))
+        whole = f"extractvalue {aggregate(kinds)} {self.do(text)}"
+        return rebuilt(result, iter([self.do(f"{whole}, {n}") for n in range(len(kinds))]))
+
+    def call_vectors(self, function: VectorFunction | str, pointers: list[str]) -> None:
+        """Call a function of vectors: one of the package, or an address."""
+        if isinstance(function, VectorFunction):
+            self.declared.vectors[function.name] = function
+            self.declared.function(function.name, ["ptr"] * len(pointers))
+            function = f"@{function.name}"
+        self.put(f"call void {function}({', '.join(f'ptr {each}' for each in pointers)})")
 
     def give_back(self, value: Value) -> None:
         """Return a value from the function."""
         found = [*leaves(value)]
-        if not found:
-            self.leave("ret void")
-        elif len(found) == 1:
-            self.leave(f"ret {_typed(found[0])}")
-        else:
-            whole, kind = "undef", aggregate([each.kind for each in found])
-            for n, each in enumerate(found):
-                whole = self.do(f"insertvalue {kind} {whole}, {_typed(each)}, {n}")
-            self.leave(f"ret {kind} {whole}")
+        if len(found) < 2:
+            self.leave(f"ret {found[0].kind} {found[0].name}" if found else "ret void")
+            return
+        whole, kind = "undef", aggregate(leaf_kinds(value))
+        for n, each in enumerate(found):
+            whole = self.do(f"insertvalue {kind} {whole}, {each.kind} {each.name}, {n}")
+        self.leave(f"ret {kind} {whole}")
 
     # -------------------------------------------------------------------------------------- loops
 
     def repeat(self, count: Value, write: Callable[[Number], None]) -> None:
         """Write a loop of ``count`` rounds without a break; ``write(n)`` writes the n-th round."""
-        places = self.variable(INTEGER)
-        test, body, end = self.label("test"), self.label("round"), self.label("end")
-        self.store(constant(0), places)
+        counter = self.variable(Number(INTEGER))
+        test, body, end = self.labels("test", "round", "end")
+        self.store(constant(0), counter)
         self.jump(test)
         self.begin(test)
-        n = self.number(self.load(INTEGER, places))
+        n = self.number(self.load(counter))
         self.branch(self.compare("lt", n, count), body, end)
         self.begin(body)
         write(n)
-        self.store(self.whole("add", n, constant(1)), places)
+        self.store(self.integers("add", n, constant(1)), counter)
         self.jump(test)
         self.begin(end)
-
-
-def _typed(value: Value) -> str:
-    """Return a number with its kind, as instructions take it."""
-    if not isinstance(value, Number):
-        raise SubsetError("this must be a number", "pass one")
-    return f"{value.kind} {value.name}"
 
 
 def aggregate(kinds: list[str]) -> str:

@@ -19,19 +19,22 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from model.compile import cache, machine_code
-from model.compile.identity import file_identity
-from model.compile.kernels import Function
-from model.compile.module import Module, name_of
+from model.compile.kernels import Function, python_of
+from model.compile.module import Key, Module, name_of
 from model.compile.source import KernelError
 from model.compile.values import (
     BOOLEAN,
     DOUBLE,
     INTEGER,
     POINTER,
-    ArrayType,
-    GroupType,
-    StaticType,
+    Array,
+    Group,
+    Number,
+    Static,
+    SubsetError,
     Type,
+    element_kind,
+    element_strides,
     leaf_kinds,
 )
 from model.compile.vector_code import VectorFunction
@@ -40,17 +43,16 @@ COMPILES = os.environ.get("VIBRALIGN_NO_COMPILATION", "0") in ("", "0")
 """Whether kernels are compiled. With ``VIBRALIGN_NO_COMPILATION=1`` they run as Python."""
 
 _FORMATS = {DOUBLE: "d", INTEGER: "q", BOOLEAN: "q", POINTER: "Q"}
-_KINDS = {"f": DOUBLE, "i": INTEGER}
-_NUMBER = 8  # bytes
-_COMPILING = threading.Lock()
+_BOOL, _INT, _FLOAT = Number(BOOLEAN), Number(INTEGER), Number(DOUBLE)
+_COMPILING = threading.RLock()
 
 
 class Compiled:
     """A kernel as machine code, called from Python as the kernel is.
 
-    Arguments are numbers, arrays of float64 or int64, tuples of these, and static objects: anything
-    else, for which the kernel is compiled. Threads may call it at once; they do not hold the global
-    interpreter lock.
+    Arguments are passed by position, all of them: numbers, arrays of float64 or int64, tuples of
+    these, and static objects: anything else, for which the kernel is compiled. Threads may call it
+    at once; they do not hold the global interpreter lock.
     """
 
     def __init__(self, function: Callable[..., Any], contract: bool = True) -> None:
@@ -69,7 +71,9 @@ class Compiled:
         words: list[Any] = []
         types = tuple([flattened(each, words) for each in arguments])
         if types not in self._natives:
-            self._natives[types] = _native(self.kernel, types, self._contract)
+            with _COMPILING:
+                if types not in self._natives:  # another thread may have been quicker
+                    self._natives[types] = _native((self.kernel, types), self._contract)
         return self._natives[types], words
 
 
@@ -105,31 +109,34 @@ def flattened(argument: Any, words: list[Any]) -> Type:
     """Return the type of an argument, and append its words.
 
     Raises:
-        TypeError: an array of other numbers, or of no dimension.
+        TypeError: an array of other numbers, or of no dimension, or a number of another kind.
+        OverflowError: an int of more than 64 bits.
     """
     if isinstance(argument, (bool, np.bool_)):
-        words.append(argument)
-        return BOOLEAN
+        words.append(bool(argument))
+        return _BOOL
     if isinstance(argument, float):
         words.append(argument)
-        return DOUBLE
+        return _FLOAT
     if isinstance(argument, (int, np.integer)):
+        if not -(2**63) <= argument < 2**63:
+            raise OverflowError(f"{argument}: kernels take integers of 64 bits")
         words.append(int(argument))
-        return INTEGER
+        return _INT
     if isinstance(argument, np.ndarray):
-        kind = _KINDS.get(argument.dtype.kind)
-        if kind is None or argument.itemsize != _NUMBER or argument.ndim == 0:
-            raise TypeError(
-                f"an array of {argument.dtype} with {argument.ndim} dimensions: kernels take "
-                "float64 or int64 with at least one"
-            )
+        try:
+            kind = element_kind(argument)
+        except SubsetError as error:
+            raise TypeError(f"{error.problem}; {error.remedy}") from None
         words += argument.ctypes.data, argument.shape[0]
-        strides = tuple([each // _NUMBER for each in argument.strides])
-        return ArrayType(kind, (None, *argument.shape[1:]), strides)
+        lengths = (_INT, *argument.shape[1:])
+        return Array("", kind, lengths, element_strides(argument), not argument.flags.writeable)
     if isinstance(argument, tuple):
         made_by = type(argument) if hasattr(argument, "_fields") else None
-        return GroupType(made_by, tuple([flattened(each, words) for each in argument]))
-    return StaticType(argument)
+        return Group(made_by, tuple([flattened(each, words) for each in argument]))
+    if isinstance(argument, (np.generic, complex)):
+        raise TypeError(f"{argument!r}: kernels take float, int and bool; convert it")
+    return Static(argument)
 
 
 class _Native:
@@ -151,16 +158,17 @@ class _Native:
 
 
 def _packing(types: tuple[Type, ...]) -> struct.Struct:
-    kinds = (kind for each in types for kind in leaf_kinds(each))
-    return struct.Struct("".join(["=", *(_FORMATS[kind] for kind in kinds)]))
+    return struct.Struct("".join(["=", *(_FORMATS[kind] for kind in leaf_kinds(*types))]))
 
 
 def _rebuilt(type_: Type, numbers: Iterator[Any]) -> Any:
-    """Return the value of Python whose numbers are given; an empty tuple is None."""
-    if isinstance(type_, GroupType):
+    """Return the value of Python whose numbers are given."""
+    if isinstance(type_, Group):
         items = [_rebuilt(each, numbers) for each in type_.items]
-        return (type_.made_by(*items) if type_.made_by else tuple(items)) if items else None
-    return bool(next(numbers)) if type_ == BOOLEAN else next(numbers)
+        return type_.made_by(*items) if type_.made_by else tuple(items)
+    if isinstance(type_, Static):
+        return type_.object
+    return bool(next(numbers)) if type_ == _BOOL else next(numbers)
 
 
 # --- From a kernel to loaded machine code ---------------------------------------------------------
@@ -171,8 +179,8 @@ class _Stored(NamedTuple):
 
     Attributes:
         name: of its function.
-        header: ``parts``: names of the objects to be loaded before it, in order; ``files``: digests
-            of the files outside the package from which it is made; ``result``: its type, pickled.
+        header: ``parts``: names of the objects to be loaded before it, in order; ``result``: its
+            type, pickled, if the object is found before its kernel is translated.
         code: the object.
     """
 
@@ -181,20 +189,24 @@ class _Stored(NamedTuple):
     code: bytes
 
 
-def _native(function: Callable[..., Any], types: tuple[Type, ...], contract: bool) -> _Native:
-    with _COMPILING:
-        key = function, types
-        stored = _all_stored(name_of(key, is_entry=True, contract=contract))
-        if stored is None:
-            try:
-                module = Module(key, {}, is_entry=True, contract=contract)
-            except KernelError as error:
-                raise error.with_traceback(None) from None  # the compiler's own calls tell nothing
-            stored = _made(module)
-        for each in stored:
-            address = machine_code.load(each.name, each.code)
+def _native(key: Key, contract: bool) -> _Native:
+    name = name_of(key, is_entry=True, contract=contract)
+    stored = None if name is None else _all_stored(name)
+    if stored is None:
+        try:
+            module = Module(key, {}, is_entry=True, contract=contract)
+        except KernelError as error:
+            raise error.with_traceback(None) from None  # the compiler's own calls tell nothing
+        except RecursionError:
+            code = python_of(key[0]).__code__
+            where = f"{code.co_filename}:{code.co_firstlineno}: in kernel {code.co_name!r}"
+            raise KernelError(f"{where}: too deep an expression or call; split it") from None
+        stored, result = _made(module), module.result
+    else:
         result = pickle.loads(bytes.fromhex(stored[-1].header["result"]))  # noqa: S301 - from _made
-        return _Native(address, types, result)
+    for each in stored:
+        address = machine_code.load(each.name, each.code)
+    return _Native(address, key[1], result)
 
 
 def address_of(function: VectorFunction) -> int:
@@ -207,15 +219,10 @@ def address_of(function: VectorFunction) -> int:
 def _all_stored(name: str) -> list[_Stored] | None:
     """Return the stored objects of a function's parts and its own; None if one is missing."""
     found = cache.read(name)
-    if found is None or any(file_identity(file) != of for file, of in found[0]["files"].items()):
+    parts = [] if found is None else [(each, cache.read(each)) for each in found[0]["parts"]]
+    if found is None or any(part is None for _, part in parts):
         return None
-    objects = []
-    for each in found[0]["parts"]:
-        part = cache.read(each)
-        if part is None:
-            return None
-        objects.append(_Stored(each, *part))
-    return [*objects, _Stored(name, *found)]
+    return [_Stored(each, *part) for each, part in [*parts, (name, found)]]  # type: ignore[misc]
 
 
 def _made(module: Module | VectorFunction) -> list[_Stored]:
@@ -228,15 +235,9 @@ def _made(module: Module | VectorFunction) -> list[_Stored]:
             lambda each: machine_code.object_of(each.text(), each.is_vector), missing
         )
         for each, code in zip(missing, objects, strict=True):
-            header = {
-                "parts": [part.name for part in each.linked()][:-1],
-                "files": {file: file_identity(file) for file in sorted(each.files)},
-                "result": pickle.dumps(each.result).hex(),
-            }
+            header: dict[str, Any] = {"parts": [part.name for part in each.linked()][:-1]}
+            if isinstance(each, Module) and each.lasting and each is module:
+                header["result"] = pickle.dumps(each.result).hex()
             kept[each.name] = header, code
             cache.write(each.name, header, code)
     return [_Stored(each.name, *kept[each.name]) for each in modules]  # type: ignore[misc]
-
-
-def _object_of(module: Module | VectorFunction) -> bytes:
-    return machine_code.object_of(module.text(), module.is_vector)

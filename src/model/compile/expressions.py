@@ -1,72 +1,97 @@
 """Expressions of a kernel: from a node of Python's syntax tree to a ``Value`` and its code."""
 
 import ast
+import builtins
 from collections.abc import Callable
-from typing import Any, ClassVar, Protocol
+from types import FunctionType
+from typing import Any, ClassVar
 
 import numpy as np
 
-from model.compile.arithmetic import both, compared, negation, operate, signed, truth_of
+from model.compile.arithmetic import (
+    boolean,
+    both,
+    compared,
+    negation,
+    operate,
+    signed,
+    truth_of,
+)
 from model.compile.builtins import call_builtin, is_builtin
 from model.compile.code import Code
-from model.compile.indexing import Index, Slice, item_of, length_of, part_of
-from model.compile.kernels import marks_of
+from model.compile.items import (
+    Index,
+    Method,
+    Slice,
+    element,
+    items_of,
+    lasting_items,
+    member,
+    replaced,
+)
+from model.compile.kernels import marks_of, python_of
+from model.compile.source import KernelError, Source, parameters_of, refusal
 from model.compile.values import (
     BOOLEAN,
     DOUBLE,
     INTEGER,
     Array,
+    Generated,
     Group,
     Number,
     Static,
     SubsetError,
     Value,
     at_run_time,
+    in_no_type,
     in_words,
+    is_iterator,
     joined,
+    known_objects,
+    static_result,
     type_of,
 )
 from model.compile.variables import Variables
-from model.compile.vector_code import WIDTH, VectorFunction, call_at
 
-_LONGEST_SHOWN = 60  # characters of an expression in an error
-_MOST_UNROLLED = 1024  # items of a comprehension or a loop over static items
+_PLAIN = (tuple.__new__, object.__new__)  # of classes that are made of their fields
 
-
-class Scope(Protocol):
-    """What expressions need of the function in which they stand."""
-
-    code: Code
-    variables: Variables
-
-    def look_up(self, name: str) -> Value:
-        """Return the value of a name."""
-
-    def bind(self, target: ast.expr, value: Value) -> None:
-        """Bind the target of a comprehension."""
-
-    def call(self, function: Any, arguments: list[Value], named: dict[str, Value]) -> Value:
-        """Call a kernel."""
-
-    def call_vectors(self, function: VectorFunction, pointers: list[str]) -> None:
-        """Call a function of vectors."""
-
-    def array(self, known: Any) -> Array:
-        """Return an array of numpy as constants of the module."""
+Call = Callable[[Code, Any, list[Value]], Value]
+"""Writes the call of a kernel with arguments in the order of its parameters."""
 
 
 class Expressions:
-    """Translates the expressions of one function."""
+    """Translates the expressions of one function, a kernel of Python.
 
-    def __init__(self, scope: Scope) -> None:
-        self.scope = scope
-        self.code = scope.code
+    Attributes:
+        code: the code of the function.
+        variables: its variables.
+        source: its source.
+        at: the statement that is translated.
+    """
+
+    code: Code
+    variables: Variables
+    at: ast.stmt
+
+    def __init__(self, function: FunctionType, source: Source, call: Call) -> None:
+        self.function, self.source, self.write_call = function, source, call
+        self._items: dict[str, Value] = {}  # of the comprehensions around the present point
 
     def evaluate(self, node: ast.expr) -> Value:
         """Translate an expression and return its value."""
-        translate = self._translations.get(type(node), _refuse)
+        found = self._evaluated(node)
+        if is_iterator(found):
+            error = SubsetError("an iterator that is kept", "make a tuple of it: tuple(...)")
+            error.node = node
+            raise error
+        return found
+
+    def _evaluated(self, node: ast.expr) -> Value:
+        """Return the value of an expression, perhaps one that can be gone through once."""
         try:
-            found: Value = translate(self, node)
+            if type(node) not in self._translations:
+                raise refusal(node)
+            found: Value = self._translations[type(node)](self, node)
         except SubsetError as error:
             error.node = error.node or node
             raise
@@ -76,94 +101,63 @@ class Expressions:
         """Translate an expression and return its truth, static if it is known."""
         return truth_of(self.code, self.evaluate(node))
 
-    def items(self, value: Value) -> tuple[Value, ...]:
-        """Return the items of a tuple, a static sequence or an array of known length."""
-        if isinstance(value, Group):
-            return value.items
-        if isinstance(value, Static):
-            if isinstance(value.object, np.ndarray):
-                return self.items(self.scope.array(value.object))
-            try:
-                found = tuple(Static(each) for each in value.object)
-            except TypeError:
-                raise SubsetError(
-                    f"{in_words(type_of(value))} has no items", "give a tuple"
-                ) from None
-            if len(found) > _MOST_UNROLLED:
-                raise SubsetError(f"{len(found)} items to be unrolled", "write a loop over a range")
-            return found
-        if isinstance(value, Array) and isinstance(value.lengths[0], int):
-            return tuple(self.element(value, [Static(n)]) for n in range(value.lengths[0]))
-        raise SubsetError(
-            f"the items of {in_words(type_of(value))}", "loop over a range, or give a tuple"
-        )
+    def items_in_turn(self, node: ast.expr) -> tuple[Value, ...]:
+        """Return the items over which a loop or a comprehension goes."""
+        return lasting_items(self.code, self._evaluated(node))
 
-    # -------------------------------------------------------------------------- names and members
+    # ----------------------------------------------------------------------------- names, members
 
     def _constant(self, node: ast.Constant) -> Value:
         return Static(node.value)
 
+    def look_up(self, name: str) -> Value:
+        """Return the value of a name: a variable, or an object outside the function."""
+        if name in self._items:
+            return self._items[name]
+        if name in self.source.local:
+            return self.variables.value(name)
+        code = self.function.__code__
+        if name in code.co_freevars:
+            cell = (self.function.__closure__ or ())[code.co_freevars.index(name)]
+            return static_result(lambda: cell.cell_contents)
+        for known in (self.function.__globals__, vars(builtins)):
+            if name in known:
+                return Static(known[name])
+        raise SubsetError(f"{name!r} is not defined", "define or import it")
+
     def _name(self, node: ast.Name) -> Value:
-        return self.scope.look_up(node.id)
+        return self.look_up(node.id)
 
     def _attribute(self, node: ast.Attribute) -> Value:
-        return self.member(self.evaluate(node.value), node.attr)
+        return member(self.code, self.evaluate(node.value), node.attr)
 
-    def member(self, value: Value, name: str) -> Value:
-        """Return a member of a named tuple, of an array or of a static object."""
-        if isinstance(value, Group):
-            fields = getattr(value.made_by, "_fields", ())
-            if name in fields:
-                return value.items[fields.index(name)]
-            if name == "_replace" and fields:
-                return Static(_Method(value, name))
-            if name in vars(value.made_by or object):  # an attribute of the class
-                return Static(getattr(value.made_by, name))
-        elif isinstance(value, Array):
-            if name == "shape":
-                return Group(None, tuple(map(length_of, value.lengths)))
-            if name == "size":
-                size = length_of(value.lengths[0])
-                for length in value.lengths[1:]:
-                    size = operate(self.code, ast.Mult, size, length_of(length))
-                return size
-            if name == "view":
-                return Static(_Method(value, name))
-        elif isinstance(value, Static) and hasattr(value.object, name):
-            found = getattr(value.object, name)
-            is_method = name == "_replace" and isinstance(value.object, tuple)
-            return Static(_Method(at_run_time(value), name)) if is_method else Static(found)
-        elif isinstance(value, Number) and name == "view":
-            return Static(_Method(value, name))
-        raise SubsetError(f"{in_words(type_of(value))} has no {name!r}", "name a field that it has")
-
-    # -------------------------------------------------------------------------------- tuples, items
+    # ------------------------------------------------------------------------------ tuples, items
 
     def _tuple(self, node: ast.Tuple) -> Value:
         return Group(None, tuple(self.each(node.elts)))
 
-    def each(self, nodes: list[ast.expr]) -> list[Value]:
+    def each(self, nodes: list[ast.expr], evaluate: Any = None) -> list[Value]:
         """Return the values of expressions; a starred one gives its items."""
         found: list[Value] = []
         for node in nodes:
             if isinstance(node, ast.Starred):
-                found += self.items(self.evaluate(node.value))
+                found += items_of(self.code, self._evaluated(node.value))
             else:
-                found.append(self.evaluate(node))
+                found.append((evaluate or self.evaluate)(node))
         return found
 
-    def _comprehension(self, node: ast.GeneratorExp | ast.ListComp) -> Value:
-        """A comprehension over static items, or over those of a tuple, is a tuple."""
+    def _comprehension(self, node: ast.GeneratorExp) -> Value:
+        """A generator over the items of a tuple is computed where it stands."""
         found: list[Value] = []
-        names = dict(self.scope.variables.assigned)
+        outside = self._items
 
         def go_through(generators: list[ast.comprehension]) -> None:
             if not generators:
                 found.append(self.evaluate(node.elt))
                 return
             first, *rest = generators
-            for item in self.items(self.evaluate(first.iter)):
-                self.scope.bind(first.target, item)
+            for item in self.items_in_turn(first.iter):
+                self._items = self._items | self._named(first.target, item)
                 tests = [self.condition(each) for each in first.ifs]
                 if not all(isinstance(each, Static) for each in tests):
                     raise SubsetError(
@@ -174,11 +168,29 @@ class Expressions:
                     go_through(rest)
 
         go_through(node.generators)
-        self.scope.variables.assigned = names
-        return Group(None, tuple(found))
+        self._items = outside
+        return Group(Generated, tuple(found))
+
+    def _named(self, target: ast.expr, item: Value) -> dict[str, Value]:
+        """Return the names of a comprehension's target with their values."""
+        if isinstance(target, ast.Name):
+            return {target.id: item}
+        if not isinstance(target, ast.Tuple):
+            raise refusal(target)
+        pairs = zip(target.elts, self.unpacked(item, target.elts), strict=True)
+        return {name: found for pair in pairs for name, found in self._named(*pair).items()}
+
+    def unpacked(self, value: Value, targets: list[ast.expr]) -> tuple[Value, ...]:
+        """Return one item of a value for each target."""
+        items = items_of(self.code, value)
+        if len(items) != len(targets) or any(isinstance(each, ast.Starred) for each in targets):
+            raise SubsetError(
+                f"{len(items)} values for {len(targets)} names", "give each name a value"
+            )
+        return items
 
     def _subscript(self, node: ast.Subscript) -> Value:
-        return self.element(self.evaluate(node.value), self.indices(node.slice))
+        return element(self.code, self.evaluate(node.value), self.indices(node.slice))
 
     def indices(self, node: ast.expr) -> list[Index]:
         """Return the indices between brackets."""
@@ -193,38 +205,16 @@ class Expressions:
                 found.append(self.evaluate(each))
         return found
 
-    def element(self, value: Value, indices: list[Index]) -> Value:
-        """Return an item of a tuple, or an element or a part of an array."""
-        if isinstance(value, Static) and isinstance(value.object, np.ndarray):
-            value = self.scope.array(value.object)
-        if isinstance(value, Array):
-            found = part_of(self.code, value, indices)
-            return found if found.lengths else self.code.read(found)
-        if len(indices) > 1:
-            raise SubsetError(f"{len(indices)} indices of a tuple", "give one")
-        (index,) = indices
-        if isinstance(value, Static) and isinstance(index, Static):
-            try:
-                return Static(value.object[index.object])
-            except (LookupError, TypeError) as error:
-                raise SubsetError(
-                    f"{error} ({index.object!r})", "give an index that exists"
-                ) from None
-        return item_of(self.code, self.items(value), index)
-
-    # ---------------------------------------------------------------------------------- operations
+    # --------------------------------------------------------------------- operations, conditions
 
     def _binary(self, node: ast.BinOp) -> Value:
-        return operate(
-            self.code, type(node.op), self.evaluate(node.left), self.evaluate(node.right)
-        )
+        left = self.evaluate(node.left)
+        return operate(self.code, type(node.op), left, self.evaluate(node.right))
 
     def _unary(self, node: ast.UnaryOp) -> Value:
         if isinstance(node.op, ast.Not):
             return negation(self.code, self.condition(node.operand))
         return signed(self.code, type(node.op), self.evaluate(node.operand))
-
-    # ---------------------------------------------------------------------------------- conditions
 
     def _compare(self, node: ast.Compare) -> Value:
         """Compare values; all operands of a chain are evaluated."""
@@ -232,189 +222,159 @@ class Expressions:
         found: Static | Number = Static(True)
         for how, right_node in zip(node.ops, node.comparators, strict=True):
             right = self.evaluate(right_node)
-            if isinstance(how, (ast.In, ast.NotIn)):
+            if isinstance(how, ast.In):
                 here = self._is_among(left, right)
-                here = negation(self.code, here) if isinstance(how, ast.NotIn) else here
+            elif isinstance(how, ast.NotIn):  # codespell:ignore
+                here = negation(self.code, self._is_among(left, right))
             else:
                 here = compared(self.code, how, left, right)
             found, left = both(self.code, "and", found, here), right
         return found
 
     def _is_among(self, value: Value, items: Value) -> Static | Number:
+        if isinstance(value, Static) and isinstance(items, Static):
+            return static_result(lambda: value.object in items.object)
         found: Static | Number = Static(False)
-        for item in self.items(items):
+        for item in items_of(self.code, items):
             found = both(self.code, "or", found, compared(self.code, ast.Eq(), value, item))
         return found
 
     def _and_or(self, node: ast.BoolOp) -> Value:
-        """Translate ``and`` and ``or`` of conditions; a later one is computed if it decides."""
-        stops = isinstance(node.op, ast.Or)  # the truth that decides
-        end, places = "", []
+        """Translate ``and`` and ``or`` of booleans; a later one is computed if it decides."""
+        code, stops = self.code, isinstance(node.op, ast.Or)  # the truth that decides
+        place: Value | None = None
+        (end,) = code.labels("decided")
         for n, each in enumerate(node.values):
-            value = self.evaluate(each)
-            truth = truth_of(self.code, value)
-            if isinstance(value, Number) and value.kind != BOOLEAN:
-                raise SubsetError("`and` or `or` of numbers", "compare them with 0")
-            if isinstance(truth, Static) and truth.object != stops and n < len(node.values) - 1:
-                continue
-            if not end:
-                if isinstance(truth, Static) or n == len(node.values) - 1:
+            truth, is_last = boolean(self.evaluate(each)), n == len(node.values) - 1
+            if isinstance(truth, Static):
+                if truth.object != stops and not is_last:
+                    continue
+                is_last = True
+            if place is None:
+                if is_last:
                     return truth
-                end, places = self.code.label("decided"), self.code.variable(BOOLEAN)
-            self.code.store(at_run_time(truth), places)
-            if isinstance(truth, Static) or n == len(node.values) - 1:
+                place = code.variable(Number(BOOLEAN))
+            code.store(at_run_time(truth), place)
+            if is_last:
                 break
-            following = self.code.label("next")
-            self.code.branch(truth, *((end, following) if stops else (following, end)))
-            self.code.begin(following)
-        self.code.jump(end)
-        self.code.begin(end)
-        return self.code.load(BOOLEAN, places)
+            (following,) = code.labels("next")
+            code.branch(truth, *((end, following) if stops else (following, end)))  # type: ignore[arg-type]
+            code.begin(following)
+        code.jump(end)
+        code.begin(end)
+        return code.load(place)  # type: ignore[arg-type]
 
     def _choice(self, node: ast.IfExp) -> Value:
         truth = self.condition(node.test)
         if isinstance(truth, Static):
             return self.evaluate(node.body if truth.object else node.orelse)
         code = self.code
-        yes, no, end = (code.label(each) for each in ("yes", "no", "end"))
+        yes, after_yes, no, end = code.labels("yes", "after_yes", "no", "end")
         code.branch(truth, yes, no)
         code.begin(yes)
         value = at_run_time(self.evaluate(node.body))
-        after_yes = code.label("yes")
         code.jump(after_yes)
         code.begin(no)
         other = at_run_time(self.evaluate(node.orelse))
         type_ = joined(type_of(value), type_of(other))
         if type_ is None:
-            found = f"{in_words(type_of(value))} or {in_words(type_of(other))}"
-            raise SubsetError(f"a value that is {found}", "give both the same type")
-        places = code.variable(type_)
-        code.store(code.of_type(other, type_), places)
+            raise in_no_type(type_of(value), type_of(other))
+        place = code.variable(type_)
+        code.store(code.of_type(other, type_), place)
         code.jump(end)
         code.begin(after_yes)
-        code.store(code.of_type(value, type_), places)
+        code.store(code.of_type(value, type_), place)
         code.jump(end)
         code.begin(end)
-        return code.load(type_, places)
+        return code.load(place)
 
-    # --------------------------------------------------------------------------------------- calls
+    # -------------------------------------------------------------------------------------- calls
 
     def _call(self, node: ast.Call) -> Value:
         called = self.evaluate(node.func)
         if not isinstance(called, Static):
             raise SubsetError(f"a call of {in_words(type_of(called))}", "call a kernel")
-        function, arguments = called.object, self.each(node.args)
+        if any(each.arg is None for each in node.keywords):
+            raise SubsetError("arguments by **", "name them one by one")
+        function = called.object
+        is_kernel = marks_of(function) is not None
+        takes_iterators = is_builtin(function) and not is_kernel
+        arguments = self.each(node.args, self._evaluated if takes_iterators else None)
         named = {str(each.arg): self.evaluate(each.value) for each in node.keywords}
-        if isinstance(function, _Method):
+        if isinstance(function, Method):
             return self._method(function, arguments, named)
+        if is_kernel:
+            return self._called(function, arguments, named)
+        if takes_iterators:
+            return call_builtin(self.code, function, arguments, named)
+        values = [*arguments, *named.values()]
         if isinstance(function, type) and hasattr(function, "_fields"):
-            return _made(function, arguments, named)
-        if isinstance(function, VectorFunction):
-            self.scope.call_vectors(function, self._vectors(*arguments))
-            return Group(None, ())
-        if function is call_at:
-            address, *where = arguments
-            number = self.code.of_kind(address, INTEGER).name
-            target = self.code.do(f"inttoptr i64 {number} to ptr")
-            listed = ", ".join(f"ptr {each}" for each in self._vectors(*where))
-            self.code.put(f"call void {target}({listed})")
-            return Group(None, ())
-        if marks_of(function) is not None:
-            return self.scope.call(function, arguments, named)
-        if is_builtin(function) and _known(arguments) is None:
-            return call_builtin(function, arguments, named, self)
-        known = _known([*arguments, *named.values()])
-        if known is not None and callable(function):
-            names = known[len(arguments) :]
-            return _static_result(
-                function, known[: len(arguments)], dict(zip(named, names, strict=True))
-            )
+            derived = (vars(each) for each in function.__mro__ if "_fields" not in vars(each))
+            if any("__new__" in each and each["__new__"] not in _PLAIN for each in derived):
+                raise SubsetError(
+                    f"a class with a __new__ of its own, {function.__name__}", "write a kernel"
+                )
+            return Group(function, tuple(_bound(function, arguments, named)))
+        known = known_objects(values)
+        if callable(function) and known is not None:
+            names = dict(zip(named, known[len(arguments) :], strict=True))
+            found = static_result(function, *known[: len(arguments)], **names)
+            if found.object is not None:
+                return found
         name = getattr(function, "__name__", repr(function))
         raise SubsetError(f"{name!r} is no kernel", "mark it with @kernel, or use another function")
 
-    def _vectors(self, block: Value, places: Value) -> list[str]:
-        """Return the addresses of vectors, from their numbers in an array."""
-        if not isinstance(block, Array):
-            raise SubsetError("vectors of something else", "give an array and the places in it")
-        offsets = [operate(self.code, ast.Mult, each, Static(WIDTH)) for each in self.items(places)]
-        return [self.code.address(block, each) for each in offsets]
+    def _called(self, function: Any, arguments: list[Value], named: dict[str, Value]) -> Value:
+        """Call a kernel."""
+        if not isinstance(function, FunctionType):
+            raise SubsetError(f"the kernel {function!r}", "define it outside of a class")
+        try:
+            given = [at_run_time(each) for each in _bound(function, arguments, named)]
+            return self.write_call(self.code, function, given)
+        except KernelError as error:
+            error.add_note(f"called at {self.function.__code__.co_filename}:{self.at.lineno}")
+            raise
 
-    def _method(self, method: "_Method", arguments: list[Value], named: dict[str, Value]) -> Value:
-        value = method.of
-        if isinstance(value, Group):
-            fields = value.made_by._fields  # type: ignore[union-attr]
-            unknown = sorted({*named} - {*fields})
-            if arguments or unknown:
-                raise SubsetError(
-                    f"_replace of {', '.join(unknown) or 'no field'}", "name its fields"
-                )
-            items = (named.get(name, item) for name, item in zip(fields, value.items, strict=True))
-            return Group(value.made_by, tuple(items))
-        return self._viewed(value, arguments)
-
-    def _viewed(self, value: Value, arguments: list[Value]) -> Value:
-        """Return the bits of a number, or an array of them, as numbers of another kind."""
-        (as_,) = arguments
-        kinds = {np.int64: INTEGER, np.float64: DOUBLE}
-        if not isinstance(as_, Static) or as_.object not in kinds:
-            raise SubsetError("a view of another type", "view as np.int64 or np.float64")
-        kind = kinds[as_.object]
+    def _method(self, method: Method, arguments: list[Value], named: dict[str, Value]) -> Value:
+        if method.name == "_replace" and not arguments:
+            return replaced(method.of, named)
+        kinds: dict[Any, str] = {np.int64: INTEGER, np.float64: DOUBLE}
+        as_ = arguments[0] if len(arguments) == 1 and not named else None
+        if method.name != "view" or not isinstance(as_, Static) or as_.object not in kinds:
+            raise SubsetError(
+                f"{method.name} with such arguments", "write view(np.int64), view(np.float64)"
+            )
+        kind, value = kinds[as_.object], method.of
         if isinstance(value, Array):
             return value._replace(kind=kind)
         number = self.code.number(value)
-        if number.kind == kind:
-            return number
-        return Number(kind, self.code.do(f"bitcast {number.kind} {number.name} to {kind}"))
+        text = f"bitcast {number.kind} {number.name} to {kind}"
+        return number if number.kind == kind else Number(kind, self.code.do(text))
 
     _translations: ClassVar[dict[type[ast.expr], Callable[[Any, Any], Any]]] = {
         ast.Attribute: _attribute, ast.BinOp: _binary, ast.BoolOp: _and_or, ast.Call: _call,
         ast.Compare: _compare, ast.Constant: _constant, ast.GeneratorExp: _comprehension,
-        ast.IfExp: _choice, ast.List: _tuple, ast.ListComp: _comprehension, ast.Name: _name,
-        ast.Subscript: _subscript, ast.Tuple: _tuple, ast.UnaryOp: _unary,
+        ast.IfExp: _choice, ast.Name: _name, ast.Subscript: _subscript, ast.Tuple: _tuple,
+        ast.UnaryOp: _unary,
     }  # fmt: skip
 
 
-class _Method:
-    """A method of a value, about to be called."""
-
-    def __init__(self, of: Value, name: str) -> None:
-        self.of, self.name = of, name
-
-
-def _refuse(_: Expressions, node: ast.expr) -> Value:
-    text = ast.unparse(node)
-    shown = f"`{text}`" if len(text) < _LONGEST_SHOWN else f"a {type(node).__name__}"
-    raise SubsetError(f"{shown} in a kernel", "use the expressions of the subset")
-
-
-def _made(made_by: type[Any], arguments: list[Value], named: dict[str, Value]) -> Value:
-    """Return a named tuple of a class."""
-    fields = made_by._fields
-    defaults = made_by._field_defaults
-    items = dict(zip(fields, arguments, strict=False)) | named
-    missing = [each for each in fields if each not in items and each not in defaults]
-    if missing or len(arguments) > len(fields) or {*named} - {*fields}:
-        given = f"{len(arguments)} values and {', '.join(named) or 'no names'}"
-        raise SubsetError(
-            f"{made_by.__name__} of {given}", f"give its fields {', '.join(fields)}"
-        )  # fmt: skip
-    found = (items.get(each, Static(defaults.get(each))) for each in fields)
-    return Group(made_by, tuple(found))
-
-
-def _known(values: list[Value]) -> list[Any] | None:
-    """Return the objects of values that are all static; None if one is not."""
-    if all(isinstance(each, Static) for each in values):
-        return [each.object for each in values]  # type: ignore[union-attr]
-    return None
-
-
-def _static_result(
-    function: Callable[..., Any], arguments: list[Any], named: dict[str, Any]
-) -> Static:
-    """Call a function of Python, when the kernel is compiled."""
+def _bound(function: Any, arguments: list[Value], named: dict[str, Value]) -> list[Value]:
+    """Return the values of a function's parameters, in their order."""
+    python = python_of(function)
+    parameters = parameters_of(python)
     try:
-        return Static(function(*arguments, **named))
-    except (ArithmeticError, TypeError, ValueError, LookupError, AttributeError) as error:
-        name = getattr(function, "__name__", repr(function))
-        raise SubsetError(f"{name}: {error}", "pass what it takes") from None
+        bound = parameters.bind(*arguments, **named)
+    except TypeError as error:
+        raise SubsetError(
+            f"{python.__name__}: {error}", f"call {python.__name__}{parameters}"
+        ) from None
+    given: list[Value] = []
+    for each in parameters.parameters.values():
+        if each.kind is each.VAR_POSITIONAL:
+            given += bound.arguments.get(each.name, ())
+        elif each.kind is each.VAR_KEYWORD:
+            raise SubsetError(f"{python.__name__} takes **{each.name}", "name its parameters")
+        else:
+            given.append(bound.arguments.get(each.name, Static(each.default)))
+    return given

@@ -1,23 +1,29 @@
 """Identity of kernels and of the objects for which they are compiled, as text for the cache.
 
-A function of the package is identified by its place in it, since the name of the cache folder
-stands for the contents of its files; a function outside, by the contents of its file too.
+A function of the package is identified by its name and its instructions, since the name of the
+cache folder stands for the contents of its files. Nothing stands for those of other files.
 """
 
 import dataclasses
 import enum
 import hashlib
-from functools import cache
 from pathlib import Path
+from types import CodeType, FunctionType, MethodType
 from typing import Any
 
 import numpy as np
 
 from model.compile.kernels import python_of
-from model.compile.values import ArrayType, GroupType, StaticType
+from model.compile.values import Static
 
 PACKAGE = Path(__file__).resolve().parents[1]
+_KNOWN = (__name__.partition(".")[0], "builtins", "math", "numpy")  # packages
 _DIGITS = 16
+_LASTING: dict[int, tuple[Any, str]] = {}  # objects that live as long as the process, by id
+
+
+class OutsideError(TypeError):
+    """An object is from outside of the package: its name does not stand for its contents."""
 
 
 def digest_of(*objects: Any) -> str:
@@ -29,18 +35,16 @@ def identity_of(known: Any) -> str:
     """Return text that is the same for the same object in every process.
 
     Raises:
-        TypeError: an object that is neither data nor a function.
+        OutsideError: an object that is neither data nor a function or class of the package.
     """
-    if isinstance(known, StaticType):
-        return f"static {identity_of(known.object)}"
-    if known is None or isinstance(known, (bool, int, float, str, np.generic, range)):
-        return repr(known)
-    if isinstance(known, (ArrayType, GroupType, tuple, list)):
-        return f"{type(known).__name__}({', '.join(map(identity_of, known))})"
-    if isinstance(known, type):
-        return f"{known.__module__}.{known.__qualname__}"
     if isinstance(known, enum.Enum):
         return f"{identity_of(type(known))}.{known.name}"
+    if known is None or isinstance(known, (bool, int, float, str, np.generic, range)):
+        return repr(known)
+    if isinstance(known, (tuple, list)):
+        return f"{identity_of(type(known))}({', '.join(map(identity_of, known))})"
+    if isinstance(known, type):
+        return _place(known)
     if isinstance(known, np.ndarray):
         values = hashlib.sha256(np.ascontiguousarray(known).tobytes()).hexdigest()
         return f"array({known.dtype}, {known.shape}, {values})"
@@ -49,34 +53,54 @@ def identity_of(known: Any) -> str:
         return f"{type(known).__name__}({', '.join(sorted(map(identity_of, items)))})"
     if hasattr(known, "identity"):
         return str(known.identity)
-    return _lasting(known)
+    if id(known) not in _LASTING:
+        _LASTING[id(known)] = known, getattr(known, "__qualname__", "")  # where it holds itself
+        try:
+            _LASTING[id(known)] = known, _lasting(known)
+        except OutsideError:
+            del _LASTING[id(known)]
+            raise
+    return _LASTING[id(known)][1]
 
 
-@cache
+def is_inside(known: Any) -> bool:
+    """Return whether a class or a function is one of the package, or of a library of it."""
+    return str(getattr(known, "__module__", "")).partition(".")[0] in _KNOWN
+
+
+def _place(known: Any) -> str:
+    """Return the place of a class or a function in the package."""
+    if not (is_inside(known) and hasattr(known, "__qualname__")):
+        raise OutsideError(f"{known!r}: neither data nor a function or class of the package")
+    return f"{known.__module__}.{known.__qualname__}"
+
+
 def _lasting(known: Any) -> str:
     """Return the identity of an object that lives as long as the process."""
+    if isinstance(known, Static):
+        return f"static {identity_of(known.object)}"
+    if isinstance(known, MethodType):
+        return f"{identity_of(known.__self__)}.{identity_of(known.__func__)}"
     if dataclasses.is_dataclass(known):
         fields = (getattr(known, each.name) for each in dataclasses.fields(known))
         return f"{identity_of(type(known))}({', '.join(map(identity_of, fields))})"
     python = python_of(known)
-    if hasattr(python, "__code__"):
-        cells = [each.cell_contents for each in python.__closure__ or ()]
-        inside = identity_of((cells, python.__defaults__))
-        return f"{file_identity(python.__code__.co_filename)}:{python.__qualname__}{inside}"
-    if callable(known) and hasattr(known, "__module__"):
-        return f"{known.__module__}.{known.__name__}"  # of a library
-    raise TypeError(f"{known!r}: a kernel is compiled for data and functions only")
+    place = _place(python)
+    if not isinstance(python, FunctionType):
+        return place  # of a library
+    held = [getattr(each, "cell_contents", "nothing yet") for each in python.__closure__ or ()]
+    outside = identity_of((held, python.__defaults__, python.__kwdefaults__))
+    return f"{place} {_instructions(python.__code__, python.__doc__)} {outside}"
 
 
-def is_outside(file: str) -> bool:
-    """Return whether a file is outside of the package."""
-    return PACKAGE not in Path(file).resolve().parents
-
-
-@cache
-def file_identity(file: str) -> str:
-    """Return the place of a file in the package, or a digest of its contents if it is outside."""
-    path = Path(file).resolve()
-    if is_outside(file):
-        return hashlib.sha256(path.read_bytes()).hexdigest()[:_DIGITS]
-    return path.relative_to(PACKAGE).as_posix()
+def _instructions(code: CodeType, docstring: str | None = None) -> str:
+    """Return a digest of what a function does, since another may have its name: a lambda."""
+    held = (
+        _instructions(each) if isinstance(each, CodeType)
+        else str(sorted(map(repr, each))) if isinstance(each, frozenset)
+        else repr(each)
+        for each in code.co_consts if docstring is None or each != docstring
+    )  # fmt: skip
+    names = code.co_names, code.co_varnames, code.co_freevars
+    text = " ".join([code.co_code.hex(), str(names), *held])
+    return hashlib.sha256(text.encode()).hexdigest()[:_DIGITS]

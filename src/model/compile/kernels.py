@@ -20,33 +20,31 @@ class Marks:
     Attributes:
         inlined: it becomes part of the code of its callers.
         separate: it has machine code of its own, compiled once for all that call it.
+        python: the function whose source it is, if it is a wrapper.
     """
 
     inlined: bool = False
     separate: bool = False
+    python: Callable[..., Any] | None = None
 
 
-def _marked(function: Function, marks: Marks) -> Function:
-    function.__kernel__ = marks  # type: ignore[attr-defined]
-    return function
-
-
-def kernel(function: Function) -> Function:
+def kernel(function: Function, marks: Marks = Marks()) -> Function:
     """Mark a function as a kernel, which other kernels call.
 
     Arithmetic is IEEE, but a product and a sum may become one operation (fused multiply-add).
     """
-    return _marked(function, Marks())
+    function.__kernel__ = marks  # type: ignore[attr-defined]
+    return function
 
 
 def inlined_kernel(function: Function) -> Function:
     """Mark a kernel that becomes part of its callers: a call would copy some forty numbers."""
-    return _marked(function, Marks(inlined=True))
+    return kernel(function, Marks(inlined=True))
 
 
 def separate_kernel(function: Function) -> Function:
     """Mark a kernel with machine code of its own: both engines and all scenes share it."""
-    return _marked(function, Marks(separate=True))
+    return kernel(function, Marks(separate=True))
 
 
 class Symbol:
@@ -71,16 +69,16 @@ def operation(function: Function) -> Function:
         symbol = _first_symbol(arguments)
         return (function if symbol is None else symbol.rule_of(function))(*arguments)
 
-    return inlined_kernel(called)  # type: ignore[return-value]
+    return kernel(called, Marks(inlined=True, python=function))  # type: ignore[return-value]
 
 
 def marks_of(function: Any) -> Marks | None:
     """Return what a decorator says of a kernel; None for any other object."""
-    marks: Marks | None = getattr(function, "__kernel__", None)
-    return marks
+    marks = getattr(function, "__kernel__", None)
+    return marks if isinstance(marks, Marks) else None
 
 
 def python_of(function: Callable[..., Any]) -> Callable[..., Any]:
     """Return the function whose source a kernel is, without the wrapper of an ``operation``."""
-    python: Callable[..., Any] = getattr(function, "__wrapped__", function)
-    return python
+    marks = marks_of(function)
+    return function if marks is None or marks.python is None else marks.python

@@ -92,9 +92,3 @@ def load(name: str, machine_code: bytes) -> int:
             llvm.add_symbol(name, address)
             _LOADED[name] = address, engine
         return _LOADED[name][0]
-
-
-def loaded(name: str) -> int | None:
-    """Return the address of a function that has been loaded, else None."""
-    found = _LOADED.get(name)
-    return None if found is None else found[0]

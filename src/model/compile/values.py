@@ -1,21 +1,25 @@
-"""Values that a kernel computes with, as the compiler sees them, and their types.
+"""Values that a kernel computes with, as the compiler sees them.
 
 A value is a number in a register, an array in memory, a tuple of values, or an object of Python
-that is known when the kernel is compiled: a function, a class, a table, a string. Such *static*
-objects are part of a type: a kernel is translated anew for each of them. Static numbers are not,
-unless a loop over static items or a comprehension produces them.
+that is known when the kernel is compiled: a function, a class, a table, a string. The *type* of a
+value is the same without the names of registers. Static objects are part of it: a kernel is
+translated anew for each of them. Static numbers are not, unless a loop over static items or a
+comprehension produces them.
 """
 
 import ast
 import struct
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from itertools import repeat
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 DOUBLE, INTEGER, BOOLEAN, POINTER = "double", "i64", "i1", "ptr"
-_WIDER = (BOOLEAN, INTEGER, DOUBLE)  # a number becomes one of a kind further on
+KINDS = (BOOLEAN, INTEGER, DOUBLE)  # a number becomes one of a kind further on
 _PYTHON_NUMBERS = (bool, int, float, np.bool_, np.integer, np.floating)
+_ELEMENTS = {np.dtype(np.float64): DOUBLE, np.dtype(np.int64): INTEGER}
 
 
 class SubsetError(Exception):
@@ -33,26 +37,47 @@ class SubsetError(Exception):
 
 
 class Static:
-    """An object that is known when the kernel is compiled."""
+    """An object that is known when the kernel is compiled.
+
+    As types, static numbers are the same by value, all other objects by identity.
+    """
 
     __slots__ = ("object",)
 
     def __init__(self, known: Any) -> None:
         self.object = known
 
+    def _key(self) -> Any:
+        known = self.object
+        return (type(known), repr(known)) if is_number(known) else id(known)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Static) and self._key() == other._key()
+
+    def __hash__(self) -> int:
+        return hash(self._key())
+
 
 class Number(NamedTuple):
     """A number: its kind, and its name or constant in LLVM's language."""
 
     kind: str
-    name: str
+    name: str = ""
 
 
 class Group(NamedTuple):
-    """A tuple: its named tuple class, None for a plain one, and its items."""
+    """A tuple: its named tuple class, None for a plain one or ``Once``, and its items."""
 
     made_by: type[Any] | None
-    items: tuple[Any, ...]
+    items: "tuple[Value, ...]"
+
+
+class Once:
+    """Class of the items of an iterator, which Python gives once."""
+
+
+class Generated(Once):
+    """Class of the items of a generator, which Python computes one by one."""
 
 
 class Array(NamedTuple):
@@ -63,56 +88,38 @@ class Array(NamedTuple):
         kind: kind of its numbers, DOUBLE or INTEGER.
         lengths: of its dimensions, each an int or a ``Number``.
         strides: numbers from one element to the next along each dimension.
+        is_constant: True if it may not be written.
     """
 
     pointer: str
     kind: str
     lengths: tuple[int | Number, ...]
     strides: tuple[int, ...]
+    is_constant: bool
 
 
 Value = Static | Number | Group | Array
-
-# ------------------------------------------------------------------------------------------- types
-
-
-class StaticType:
-    """Type of a static object: numbers are the same by value, all others by identity."""
-
-    __slots__ = ("key", "object")
-
-    def __init__(self, known: Any) -> None:
-        self.object = known
-        self.key = (type(known), known) if is_number(known) else id(known)
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, StaticType) and self.key == other.key
-
-    def __hash__(self) -> int:
-        return hash(self.key)
+Type = Value
+NOTHING = Static(None)  # what a kernel without a result returns
 
 
-class GroupType(NamedTuple):
-    """Type of a tuple."""
-
-    made_by: type[Any] | None
-    items: "tuple[Type, ...]"
-
-
-class ArrayType(NamedTuple):
-    """Type of an array: None stands for a length that is known only at run time."""
-
-    kind: str
-    lengths: tuple[int | None, ...]
-    strides: tuple[int, ...]
-
-
-Type = str | StaticType | GroupType | ArrayType
+def is_iterator(value: Value) -> bool:
+    """Return whether a value can be gone through once."""
+    return isinstance(value, Group) and value.made_by in (Once, Generated)
 
 
 def is_number(known: Any) -> bool:
     """Return whether an object of Python is a number."""
     return isinstance(known, _PYTHON_NUMBERS)
+
+
+def static_result(function: Callable[..., Any], *arguments: Any, **named: Any) -> Static:
+    """Call a function of Python, when the kernel is compiled."""
+    try:
+        return Static(function(*arguments, **named))
+    except Exception as error:  # noqa: BLE001 - whatever it raises is a mistake in the kernel
+        name = getattr(function, "__name__", repr(function))
+        raise SubsetError(f"{name}: {error}", "pass what it takes") from None
 
 
 def constant(known: Any) -> Number:
@@ -136,16 +143,24 @@ def known_number(number: Number) -> bool | int | None:
     return None
 
 
-def type_of(value: Value) -> Type:
-    """Return the type of a value."""
-    if isinstance(value, Number):
-        return value.kind
-    if isinstance(value, Group):
-        return GroupType(value.made_by, tuple(map(type_of, value.items)))
-    if isinstance(value, Array):
-        lengths = tuple(each if isinstance(each, int) else None for each in value.lengths)
-        return ArrayType(value.kind, lengths, value.strides)
-    return StaticType(value.object)
+def element_kind(array: NDArray[Any]) -> str:
+    """Return the kind of the numbers of an array of numpy.
+
+    Raises:
+        SubsetError: they are others than kernels compute with, or it has no dimension.
+    """
+    kind = _ELEMENTS.get(array.dtype)
+    if kind is None or array.ndim == 0 or any(each % array.itemsize for each in array.strides):
+        raise SubsetError(
+            f"an array of {array.dtype} with {array.ndim} dimensions",
+            "give one of float64 or int64 with at least one dimension",
+        )
+    return kind
+
+
+def element_strides(array: NDArray[Any]) -> tuple[int, ...]:
+    """Return the strides of an array of numpy, in numbers."""
+    return tuple([each // array.itemsize for each in array.strides])
 
 
 def leaves(value: Value) -> Iterator[Number]:
@@ -160,28 +175,27 @@ def leaves(value: Value) -> Iterator[Number]:
         yield from (each for each in value.lengths if isinstance(each, Number))
 
 
-def leaf_kinds(type_: Type) -> list[str]:
-    """Return the kinds of the ``leaves`` of a value of this type."""
-    if isinstance(type_, str):
-        return [type_]
-    if isinstance(type_, GroupType):
-        return [kind for each in type_.items for kind in leaf_kinds(each)]
-    if isinstance(type_, ArrayType):
-        return [POINTER, *(INTEGER for each in type_.lengths if each is None)]
-    return []
+def leaf_kinds(*types: Type) -> list[str]:
+    """Return the kinds of the ``leaves`` of values of these types."""
+    return [leaf.kind for each in types for leaf in leaves(each)]
 
 
 def rebuilt(type_: Type, names: Iterator[str]) -> Value:
     """Return the value of this type whose leaves have these names."""
-    if isinstance(type_, str):
-        return Number(type_, next(names))
-    if isinstance(type_, GroupType):
+    if isinstance(type_, Number):
+        return Number(type_.kind, next(names))
+    if isinstance(type_, Group):
         return Group(type_.made_by, tuple([rebuilt(each, names) for each in type_.items]))
-    if isinstance(type_, ArrayType):
+    if isinstance(type_, Array):
         pointer = next(names)
-        lengths = (Number(INTEGER, next(names)) if n is None else n for n in type_.lengths)
-        return Array(pointer, type_.kind, tuple(lengths), type_.strides)
-    return Static(type_.object)
+        lengths = [n if isinstance(n, int) else Number(n.kind, next(names)) for n in type_.lengths]
+        return type_._replace(pointer=pointer, lengths=tuple(lengths))
+    return type_
+
+
+def type_of(value: Value) -> Type:
+    """Return the type of a value."""
+    return rebuilt(value, repeat(""))
 
 
 def joined(one: Type, other: Type) -> Type | None:
@@ -191,25 +205,23 @@ def joined(one: Type, other: Type) -> Type | None:
     """
     if one == other:
         return one
-    one, other = _at_run_time(one), _at_run_time(other)
-    if one == other:
-        return one
-    if isinstance(one, str) and isinstance(other, str):
-        return max(one, other, key=_WIDER.index)
-    if isinstance(one, GroupType) and isinstance(other, GroupType):
-        if len(one.items) != len(other.items):
-            return None
-        if None not in (one.made_by, other.made_by) and one.made_by is not other.made_by:
+    one, other = type_of(at_run_time(one)), type_of(at_run_time(other))
+    if isinstance(one, Number) and isinstance(other, Number):
+        return max(one, other, key=lambda each: KINDS.index(each.kind))
+    if isinstance(one, Group) and isinstance(other, Group):
+        classes = {one.made_by, other.made_by} - {None}
+        if len(one.items) != len(other.items) or len(classes) > 1:
             return None
         items = [joined(*each) for each in zip(one.items, other.items, strict=True)]
-        return None if None in items else GroupType(one.made_by or other.made_by, tuple(items))  # type: ignore[arg-type]
-    return None
+        known = [each for each in items if each is not None]
+        return Group(one.made_by or other.made_by, tuple(known)) if known == items else None
+    return one if one == other else None
 
 
-def _at_run_time(type_: Type) -> Type:
-    if isinstance(type_, StaticType) and is_number(type_.object):
-        return constant(type_.object).kind
-    return type_
+def in_no_type(one: Type, other: Type) -> SubsetError:
+    """Return the error that two values, of which one is taken, have no common type."""
+    found = f"a value that is {in_words(one)} or {in_words(other)}"
+    return SubsetError(found, "give both the same type")
 
 
 def at_run_time(value: Value) -> Value:
@@ -217,38 +229,46 @@ def at_run_time(value: Value) -> Value:
     if isinstance(value, Static):
         if is_number(value.object):
             return constant(value.object)
-        if isinstance(value.object, tuple) and _is_numeric(value.object):
-            items = (at_run_time(Static(each)) for each in value.object)
-            return Group(_class_of(value.object), tuple(items))
+        if _is_numeric(value.object):
+            return at_run_time(as_group(value))
     if isinstance(value, Group):
         return Group(value.made_by, tuple(map(at_run_time, value.items)))
     return value
+
+
+def as_group(value: Value) -> Value:
+    """Return a static tuple as a tuple of static items; another value as it is."""
+    if not (isinstance(value, Static) and isinstance(value.object, tuple)):
+        return value
+    made_by = type(value.object) if hasattr(value.object, "_fields") else None
+    return Group(made_by, tuple(map(Static, value.object)))
+
+
+def known_objects(values: Iterable[Value]) -> list[Any] | None:
+    """Return the objects of static values and of tuples of these; None if one is not known."""
+    found: list[Any] = []
+    for each in values:
+        if isinstance(each, Static):
+            found.append(each.object)
+        elif isinstance(each, Group) and (items := known_objects(each.items)) is not None:
+            plain = each.made_by is None or is_iterator(each)
+            found.append(tuple(items) if plain else each.made_by(*items))  # type: ignore[misc]
+        else:
+            return None
+    return found
 
 
 def _is_numeric(known: Any) -> bool:
     return is_number(known) or (isinstance(known, tuple) and all(map(_is_numeric, known)))
 
 
-def _class_of(known: tuple[Any, ...]) -> type[Any] | None:
-    return type(known) if hasattr(known, "_fields") else None
-
-
 def in_words(type_: Type) -> str:
     """Return a type as an error names it."""
-    if isinstance(type_, str):
-        return {DOUBLE: "a float", INTEGER: "an int", BOOLEAN: "a bool"}[type_]
-    if isinstance(type_, GroupType):
+    if isinstance(type_, Number):
+        return {DOUBLE: "a float", INTEGER: "an int", BOOLEAN: "a bool"}[type_.kind]
+    if isinstance(type_, Group):
         name = f" {type_.made_by.__name__}" if type_.made_by else ""
-        return f"a tuple{name} of {len(type_.items)}"
-    if isinstance(type_, ArrayType):
+        return "an iterator" if is_iterator(type_) else f"a tuple{name} of {len(type_.items)}"
+    if isinstance(type_, Array):
         return f"an array of {len(type_.lengths)} dimensions"
     return f"the object {getattr(type_.object, '__name__', type_.object)!r}"
-
-
-def contiguous(lengths: Iterable[int]) -> tuple[int, ...]:
-    """Return the strides of an array of these lengths without gaps; the first does not matter."""
-    strides, size = [], 1
-    for length in reversed(tuple(lengths)[1:]):
-        strides.append(size)
-        size *= length
-    return (size, *reversed(strides))

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
+from model.compile.identity import digest_of, is_inside
 from model.compile.values import constant
 
 WIDTH = 8  # numbers in a vector
@@ -157,11 +158,11 @@ class VectorFunction:
     """
 
     is_vector = True
-    files: frozenset[str] = frozenset()
-    result = None
 
     def __init__(self, name: str, write: Callable[[str], VectorWriter]) -> None:
         self.name, self._write = name, write
+        if not is_inside(write):  # the name alone does not stand for the code
+            self.name += f"_{digest_of(write(name).code())}"
 
     @property
     def identity(self) -> str:

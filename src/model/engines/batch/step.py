@@ -164,8 +164,9 @@ def _levels_of(lanes, which, w, i):
 @inlined_kernel
 def _quantities_at(lanes, which, node, w, i):
     """Return the quantities of an event at a node; their bounds, at node NODES."""
-    lines = (quantity_line(lanes, which, node, part) for part in range(QUANTITIES))
-    return tuple(w[line * WIDTH + i] for line in lines)
+    return tuple(
+        w[quantity_line(lanes, which, node, part) * WIDTH + i] for part in range(QUANTITIES)
+    )
 
 
 @inlined_kernel
@@ -180,7 +181,7 @@ def _screen_single(lanes, which, w):
 @inlined_kernel
 def _is_clear(lanes, which, part, least, w, i):
     """Return whether a quantity stays above its bound, and above ``least``, at every node."""
-    values = (w[quantity_line(lanes, which, n, part) * WIDTH + i] for n in range(NODES))
+    values = tuple(w[quantity_line(lanes, which, n, part) * WIDTH + i] for n in range(NODES))
     return min(values) > max(least, w[quantity_line(lanes, which, NODES, part) * WIDTH + i])
 
 

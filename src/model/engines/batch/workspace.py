@@ -107,7 +107,7 @@ VARIED_IN_SLOT = tuple(n for n, name in enumerate(Mode._fields) if name != "corn
 @inlined_kernel
 def mode_of_lane(lanes, w, i):
     """Return the ``Mode`` of lane ``i``; ``lanes.varied`` are the fields that differ."""
-    fields: Any = (
+    fields: Any = tuple(
         kind(w[(MODE_LINE + n) * WIDTH + i]) if n in lanes.varied else START[n]
         for n, kind in enumerate(MODE_KINDS)
     )
