@@ -60,6 +60,8 @@ def member(code: Code, value: Value, name: str) -> Value:
             return value.items[fields.index(name)]
         if name == "_replace" and fields:
             return Static(Method(value, name))
+        if name in vars(value.made_by or object):  # an attribute of the class
+            return Static(getattr(value.made_by, name))
     elif name == "view" and (isinstance(value, Array) or type_of(value) != Number(BOOLEAN)):
         return Static(Method(value, name))
     elif name == "shape" and isinstance(value, Array):
