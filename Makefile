@@ -2,7 +2,7 @@
 # make fig06      one figure
 # make smoke      the same study, small, into its own results root
 # make test       the environment, every check and every test
-# make maps       the stability maps that the paper does not have, into results/figures/maps
+# make maps       the stability maps that the paper does not have
 # make accuracy   the integrator's errors on thousands of random sets: printed, and results/accuracy
 # make identification  the search for the device, from nothing: hours; a restart goes on
 # make fuzz       random sets over the whole domain of the parameters; SETS=1000000 for a million, to

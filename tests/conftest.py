@@ -110,7 +110,7 @@ def fixed_study() -> Study:
 
 @pytest.fixture(scope="session")
 def small_study(fixed_study: Study) -> Callable[[int, int], Study]:
-    """The same with two curves of ``points`` and maps of ``cells`` squared."""
+    """The same with two curves of ``points``, and maps of ``cells`` squared with few starts."""
 
     def make(points: int, cells: int) -> Study:
         small = dict(fixed_study.figures)
@@ -122,7 +122,9 @@ def small_study(fixed_study: Study) -> Callable[[int, int], Study]:
             elif isinstance(spec, Map):
                 x, y = (axis.model_copy(update={"count": cells}) for axis in (spec.x, spec.y))
                 small[name] = spec.model_copy(update={"x": x, "y": y})
-        return fixed_study.model_copy(update={"figures": small})
+        every = fixed_study.maps.ensemble.model_copy(update={"phases": 2, "every": 2})
+        maps = fixed_study.maps.model_copy(update={"ensemble": every})
+        return fixed_study.model_copy(update={"figures": small, "maps": maps})
 
     return make
 
@@ -231,11 +233,11 @@ class RecordedStudy:
         data = sorted((self.root / "data").glob("fig*.nc"))
         self.sidecar("claims", [path], data)
 
-    def map(self, shift: float = 0.0) -> None:
+    def run_of_claims(self, shift: float = 0.0) -> None:
         """A dataset with the name of a figure's, in another folder."""
-        path = self.root / "data/maps/fig06.nc"
+        path = self.root / "data/claims/fig06.nc"
         write_dataset(_dataset(shift), path)
-        self.sidecar("map/fig06", [path])
+        self.sidecar("claims_runs/fig06", [path])
 
     def fail(self, run: str, text: str) -> None:
         """Files of a job that raises: a log, and nothing else."""

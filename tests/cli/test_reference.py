@@ -9,7 +9,8 @@ from matplotlib.image import imsave
 
 from model.cli import main as cli
 from model.study.io import read_dataset, write_dataset
-from model.study.sweep import merge, run, sweep_of
+from model.study.plans import sweep_of
+from model.study.sweep import merge, run
 
 
 @pytest.fixture

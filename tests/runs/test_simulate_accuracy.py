@@ -10,7 +10,7 @@ from model.study.assessment.yields import drawn
 from model.study.config import load_study, study_path
 from model.study.devices import load_device
 from model.study.devices.batches import devices_of
-from model.study.maps.starts import starts_of
+from model.study.starts import starts_of
 
 # One run for each kind of event; the tests assert the events that it goes through.
 RUNS = {

@@ -18,7 +18,7 @@ GROUPS = {
 
 
 def test_a_sheet_is_self_contained_and_has_the_same_bytes(tmp_path, monkeypatch):
-    monkeypatch.setattr(sheet, "_RESOLUTION", 8)
+    monkeypatch.setattr(sheet, "_COUNT", 9)
     study = load_study(study_path())
     stated, settings = (
         load_device(PEG, {"press_force": "12 N"}),

@@ -27,7 +27,7 @@ from model.study.assessment import yields
 from model.study.config import load_study, study_path
 from model.study.design import Search, as_printed
 from model.study.design_judges import Judges
-from model.study.maps.starts import starts_of
+from model.study.starts import starts_of
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 COUNT = 6
@@ -64,7 +64,7 @@ def _no_advice(monkeypatch: pytest.MonkeyPatch, _no_leeways: None) -> None:
     """Leave out what is not asked here: leeways, Sobol' indices, pictures, the page's engines."""
     monkeypatch.setattr(yields, "sobol_indices_of", lambda *_, **__: ())
     monkeypatch.setattr(in_browser, "modules", lambda: Modules(b"one", b"many", interface()))
-    monkeypatch.setattr(sheet, "_RESOLUTION", 2)
+    monkeypatch.setattr(sheet, "_COUNT", 3)
     monkeypatch.setattr(device_sheet, "_picture", lambda _: "")
 
 
@@ -106,7 +106,7 @@ def agreed(path: Path, folder: Path, capsys: pytest.CaptureFixture[str]) -> bool
     spans = {name: (0.8 * own[name], 1.2 * own[name]) for name in ("mass", "amplitude")}
     axes = [word for side, (name, ends) in zip("xy", spans.items(), strict=True)
             for word in (f"--{side}", name, *map(repr, ends))]  # fmt: skip
-    assert cli.main(["map", *file, *ROUGH, *axes, "--resolution", "2", "--out", str(out)]) == 0
+    assert cli.main(["map", *file, *ROUGH, *axes, "--resolution", "3", "--out", str(out)]) == 0
     least = load_device(path, {name: low for name, (low, _) in spans.items()})
     with xr.open_dataset(out) as stored:
         assert bool(stored["reliable"][1, 1]) is reliable

@@ -15,7 +15,7 @@ from model.study.assessment.leeways import FINEST, STEP, STEPS, VARIED, leeways,
 from model.study.config import Ensemble
 from model.study.devices import load_device
 from model.study.devices.batches import devices_of
-from model.study.maps.starts import every_start, starts_of
+from model.study.starts import every_start, starts_of
 
 PEG = Path(__file__).resolve().parents[2] / "docs" / "peg.yaml"
 ENSEMBLE = Ensemble(phases=3, tilts=[1.0, 3.0], every=1)

@@ -14,7 +14,8 @@ from model.study.claims.data import Data, between
 from model.study.claims.ledger import judge_claim, ledger_text, lines_of, read_ledger
 from model.study.claims.measures import explained, trend
 from model.study.config import FIGURES, load_study, study_path
-from model.study.sweep import TRACK_QUANTITIES, merge, run, sweep_of
+from model.study.plans import sweep_of
+from model.study.sweep import TRACK_QUANTITIES, merge, run
 from tests.study.claims_data import (
     CASES,
     NAN,

@@ -12,16 +12,15 @@ import pytest
 import xarray as xr
 
 from model import Parameters, Settings
-from model.study.config import Axis, Ensemble, RunSettings, Span, Study
+from model.study.config import Axis, Ensemble, RunSettings, Study
 from model.study.design import Design, Search
 from model.study.design_files import design_dataset
 from model.study.design_judges import Judges
 from model.study.devices import load_device
+from model.study.devices.maps import QuantityAxis, map_of
 from model.study.io import write_dataset
-from model.study.maps.compute import compute_part
-from model.study.maps.dataset import map_dataset, part_dataset
-from model.study.maps.plan import MapPlan, QuantitySpan, plan_of
-from model.study.sweep import Sweep, merge, run, sweep_of
+from model.study.plans import sweep_of
+from model.study.sweep import Sweep, merge, run
 from model.study.version import version
 
 PEG = Path(__file__).resolve().parents[2] / "docs" / "devices" / "peg.yaml"
@@ -44,20 +43,19 @@ ComplianceChecker.run_checker(
 """
 
 
-def plan(device: Parameters, other: str, low: float, high: float) -> MapPlan:
+def map_over_force(device: Parameters) -> Sweep:
     settings = RunSettings(readings="consistent", horizon=20.0, tolerance=1e-6)
-    x = Span(parameter="tilt_stiffness", start=2.0, stop=16.0)
-    y = Span(parameter=other, start=low, stop=high)
+    x = Axis(parameter="tilt_stiffness", start=2.0, stop=16.0, count=3)
+    y = Axis(parameter="press_force", start=1.0, stop=9.0, count=3)
+    return map_of(device, settings, (x, y), Ensemble(phases=2, tilts=[1.0], every=1))
+
+
+def map_in_si() -> Sweep:
+    settings = RunSettings(readings="consistent", horizon=20.0, tolerance=1e-6)
+    x = QuantityAxis(parameter="tilt_stiffness", start=0.3, stop=1.0, count=3)
+    y = QuantityAxis(parameter="initial_tilt", start=0.001, stop=0.003, count=3)
     starts = Ensemble(phases=2, tilts=[1.0], every=1)
-    return plan_of("trial", device, settings, (x, y), 2, starts)
-
-
-def plan_in_si() -> MapPlan:
-    peg = load_device(PEG)
-    settings = RunSettings(readings="consistent", horizon=20.0, tolerance=1e-6)
-    x = QuantitySpan(parameter="tilt_stiffness", start=0.3, stop=1.0)
-    y = QuantitySpan(parameter="initial_tilt", start=0.001, stop=0.003)
-    return plan_of("map", peg.parameters, settings, (x, y), 2, None, peg)
+    return map_of(load_device(PEG), settings, (x, y), starts)
 
 
 def few(study: Study, name: str) -> Sweep:
@@ -88,13 +86,13 @@ def written(
     tmp_path_factory: pytest.TempPathFactory,
 ) -> dict[str, Path]:
     """A file of every kind: the figures' are like the two sweeps, a map like that in SI units."""
-    study, in_si = small_study(4, 3), plan_in_si()
-    forces = plan(device, "press_force", 1.0, 9.0)
+    study, in_si = small_study(4, 3), map_in_si()
+    forces = map_over_force(device)
     datasets = {
         **{name: swept(study, name) for name in ("fig05", "centred", "jamming")},
         "chunk": run(few(study, "fig06"), 0, 2),
-        "part": part_dataset(forces, 0, 1, compute_part(forces)),
-        "map_in_si": map_dataset(in_si, compute_part(in_si), "A map"),
+        "map": merge(forces, "A map", [run(forces)]),
+        "map_in_si": merge(in_si, "A map", [run(in_si)]),
         "design": design(),
     }
     paths = {kind: tmp_path_factory.mktemp("files") / f"{kind}.nc" for kind in datasets}

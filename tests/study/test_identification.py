@@ -22,7 +22,7 @@ from model.study.identification.tables import (
     read_judged,
     summary_texts,
 )
-from model.study.sweep import sweep_of
+from model.study.plans import sweep_of
 
 COARSE = Stage(grid="tiny", points=2)
 

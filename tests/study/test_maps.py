@@ -1,301 +1,148 @@
-"""Stability maps: computed nodes, reliability, and assembly from parts."""
+"""Stability maps: a full grid, and the starts that are tried at every few of its nodes."""
 
 import math
-from types import SimpleNamespace
+from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
-from scipy.ndimage import distance_transform_edt, maximum_filter
 
 from model import Batch, align
 from model.events.outcomes import Outcome
-from model.study.config import Axis, Ensemble, RunSettings, Span, load_study, study_path
-from model.study.io import DatasetError, write_dataset
-from model.study.maps import dataset, starts
-from model.study.maps import plan as plans
-from model.study.maps.compute import Computation, MapNodes, areas, compute_part
-from model.study.maps.dataset import assemble, map_dataset, part_dataset, read_parts
-from model.study.maps.plan import MapPlan, map_plan, marks_of, plan_of
-from model.study.maps.starts import ALIGNS, FAILS, NOT_TRIED
+from model.study.config import Axis, Ensemble, RunSettings, load_study, study_path
+from model.study.devices import load_device
+from model.study.devices.maps import QuantityAxis, map_of
+from model.study.io import DatasetError, read_chunks, write_dataset
+from model.study.plans import marks_of, sweep_of
+from model.study.starts import every_start, starts_of
+from model.study.sweep import Sweep, margin_of, merge, run
 
+PEG = Path(__file__).parents[2] / "docs" / "peg.yaml"
 SETTINGS = RunSettings(readings="consistent", horizon=40.0, tolerance=1e-8)
-X = Span(parameter="tilt_stiffness", start=2.0, stop=16.0)
-Y = Span(parameter="press_force", start=1.0, stop=9.0)
+X = Axis(parameter="tilt_stiffness", start=2.0, stop=16.0, count=17)
+Y = Axis(parameter="press_force", start=1.0, stop=9.0, count=13)
 ENSEMBLE = Ensemble(phases=3, tilts=[1.0, 3.0], every=4)
-CELLS = 16
 
 
 @pytest.fixture(scope="module")
-def plan(device) -> MapPlan:
-    return plan_of("trial", device, SETTINGS, (X, Y), CELLS, ENSEMBLE)
-
-
-@pytest.fixture(scope="module", autouse=True)
-def _coarse_cells():
-    """Use coarse cells of 4, so that the full map is small enough to compute as well."""
-    changed = pytest.MonkeyPatch()
-    changed.setattr(plans, "COARSE", 4)
-    changed.setattr(plans, "LARGEST", 4)
-    changed.setattr(starts, "COARSE", 2)
-    yield
-    changed.undo()
+def sweep(device) -> Sweep:
+    sweep = map_of(device, SETTINGS, (X, Y), ENSEMBLE)
+    return sweep.model_copy(update={"ensemble": ENSEMBLE})  # map_of tries them at every node
 
 
 @pytest.fixture(scope="module")
-def nodes(plan):
-    """The nodes of every step that the whole map computes."""
-    return compute_part(plan)
+def found(sweep) -> xr.Dataset:
+    return merge(sweep, "title", [run(sweep)])
 
 
-@pytest.fixture(scope="module")
-def found(plan, nodes):
-    return SimpleNamespace(**assemble(plan, nodes), computed=nodes.nominal.computed)
+def test_every_node_is_run(found, sweep):
+    batch = sweep.batch(np.arange(X.count * Y.count))
+    expected = align(batch, SETTINGS.settings)
+    for name in ("outcome", "tau_align", "tau_error"):
+        values = getattr(expected, name).reshape(Y.count, X.count)
+        np.testing.assert_array_equal(found[name].values, values, err_msg=name)
+    assert {Outcome.ALIGNED, Outcome.SETTLED} <= set(found["outcome"].values.ravel())
 
 
-@pytest.fixture(scope="module")
-def full(plan):
-    rows, columns = (each.ravel() for each in np.indices(plan.lattice.shape))
-    batch = Batch.of(plan.baseline, **plan.swept(rows, columns))
-    return align(batch, plan.settings.settings)
+def test_starts_are_tried_at_every_few_nodes(found, device):
+    assert found["start_outcome"].dims == (
+        "start_press_force", "start_tilt_stiffness", "start_initial_tilt", "start_phase",
+    )  # fmt: skip
+    for name in ("press_force", "tilt_stiffness"):
+        np.testing.assert_array_equal(found[f"start_{name}"], found[name][::4])
+    starts = starts_of(device, ENSEMBLE)
+    tilts, phases = ([s[name] for s in starts] for name in ("initial_tilt", "phase"))
+    assert found["start_initial_tilt"].values.tolist() == list(dict.fromkeys(tilts))
+    assert found["start_phase"].values.tolist() == list(dict.fromkeys(phases))
+    # The first start is the device's own: there the map's node and the start's are one run.
+    own = found["start_outcome"].values[:, :, 0, 0]
+    np.testing.assert_array_equal(own, found["outcome"].values[::4, ::4])
 
 
-def test_unflagged_nodes_equal_the_full_grid(found, full):
-    outcome = areas(full.outcome).reshape(found.outcome.shape)
-    wrong = areas(found.outcome) != outcome
-    assert not (wrong & (found.flagged == 0)).any()
-    assert {0, 1} <= set(outcome.ravel().tolist())
-    assert found.computed.mean() < 0.9
-    tau = full.tau_align.reshape(found.tau_align.shape)
-    computed = found.computed
-    assert np.array_equal(found.tau_align[computed], tau[computed], equal_nan=True)
-    assert np.array_equal(found.outcome[computed], full.outcome.reshape(tau.shape)[computed])
-
-
-def test_counts_and_levels_match_the_computed_nodes(found, plan):
-    count = len(plan.starts())
-    assert count == 6
-    assert (found.trajectories[found.computed] >= 1).all()
-    ensemble = np.zeros_like(found.computed)
-    ensemble[::4, ::4] = True
-    assert set(found.trajectories[~ensemble].tolist()) <= {0, 1}
-    tried = found.trajectories[ensemble] - found.computed[ensemble]
-    assert tried.max() == count - 1  # the nominal one is known
-    fails = found.outcome[::4, ::4] != Outcome.ALIGNED
-    assert fails.any()
-    assert not tried.reshape(fails.shape)[fails].any()
-    assert not found.reliable_share[::4, ::4][fails].any()
-    assert found.level.min() >= 0
-    assert found.level.max() == 2
-    assert np.isnan(found.tau_error[~found.computed]).all()
-    assert not found.sensitive[~found.computed].any()
-
-
-def test_a_reliable_node_aligns_from_every_start(found, plan):
-    """Compute single nodes of the ensemble's lattice, start by start."""
-    for row, column in ((0, 16), (8, 8), (16, 0), (4, 12)):
-        point = {name: float(value[0]) for name, value in
-                 plan.swept(np.array([row]), np.array([column])).items()}  # fmt: skip
-        runs = align(
-            [plan.baseline.replace(**point, **start) for start in plan.starts()],
-            plan.settings.settings,
-        )
-        aligned = runs.outcome == Outcome.ALIGNED
-        reliable = found.reliable_share[row, column] == 1.0
-        assert reliable == aligned.all()
-        if reliable:
-            longest = [tau + 1e-6 for tau in runs.tau_align]
-            assert min(longest) <= found.tau_worst[row, column] + 2e-6
-            assert found.tau_worst[row, column] <= max(longest)
-
-
-def test_reliable_nodes_align_and_their_worst_duration_is_the_longest(found):
-    reliable = found.reliable == 1
-    assert reliable.any()
-    assert not reliable.all()
-    assert (found.outcome[reliable] == Outcome.ALIGNED).all()
-    assert (found.reliable_share[reliable] == 1.0).all()
-    assert np.isnan(found.tau_worst[~reliable]).all()
-
-
-def test_neighbours_try_all_starts_between_them():
-    few = starts.alternating((9, 9, 32), phases=16)
-    assert (few.sum(axis=2) == 8).all()
-    assert (few.reshape(9, 9, 2, 16).sum(axis=2) <= 1).all()  # no phase with both tilts
-    for row, column in ((0, 0), (3, 5)):
-        assert few[row : row + 4, column].any(axis=0).all()
-        assert few[row : row + 2, column : column + 2].any(axis=(0, 1)).all()
-
-
-def test_beside_a_start_in_phase_are_two_with_every_tilt():
-    fails = np.zeros((1, 2, 12), dtype=np.bool_)
-    fails[0, 1, 6] = True  # of the second tilt, the first of 6 phases
-    _, columns, wanted = np.nonzero(starts.adjacent_in_phase(fails, 6))
-    assert set(columns.tolist()) == {1}
-    assert wanted.tolist() == [0, 1, 5, 6, 7, 11]
-
-
-@pytest.fixture
-def tried(device, monkeypatch):
-    """Try the starts of a map on the given ends, (rows, columns, starts); return (ends, runs)."""
-
-    def tried(aligns, tilts):
-        ensemble = Ensemble(phases=16, tilts=tilts, every=1)
-        plan = plan_of("trial", device, SETTINGS, (X, Y), len(aligns) - 1, ensemble)
-        nodes, runs = MapNodes(plan), []
-
-        def run(_, store, which):
-            assert not which[store.columns["end"] != NOT_TRIED].any()
-            runs.append(which)
-            store.columns["end"][which] = np.where(aligns[which], ALIGNS, FAILS)
-
-        monkeypatch.setattr(Computation, "_run_starts", run)
-        kind = np.where(aligns[:, :, 0], Outcome.ALIGNED, Outcome.LEFT_SCENE)
-        Computation(plan, nodes).ensemble(nodes.ensemble, SimpleNamespace(kind=kind))
-        assert nodes.tried().sum() == nodes.trajectories() == sum(which.sum() for which in runs)
-        return nodes.ensemble.columns["end"], np.any(runs, axis=0)
-
-    return tried
-
-
-def test_few_starts_find_the_nodes_at_which_any_fails(tried, monkeypatch):
-    """Every start has a straight border of its own, moving with its phase; islands fail as well."""
-    monkeypatch.setattr(starts, "COARSE", 32)
-    row, column, phase = np.ogrid[:129, :129, :16]
-    border = 40.0 + 0.2 * row + 6.0 * np.cos(2.0 * np.pi * (phase - 5) / 16)
-    island = np.hypot(row - 80, column - 100) < 6.0 + 6.0 * np.cos(np.pi * (phase - 9) / 8)
-    one = (column > border) & ~island
-    aligns = np.concatenate([one, one], axis=2)
-    end, runs = tried(aligns, [1.0, 3.0])
-    fails = (end == FAILS).any(axis=2) | ~aligns[:, :, 0]
-    assert np.array_equal(fails, ~aligns.all(axis=2))
-    assert not runs[~aligns[:, :, 0]].any()
-    assert not runs[:, :, 0].any()  # the nominal one
-    beside = maximum_filter(fails, 3) & aligns[:, :, 0]  # what the nominal start does not tell
-    assert runs.sum() < beside.sum() * aligns.shape[2]
-
-
-def test_nothing_is_tried_where_the_nominal_start_fails_even_if_the_ensemble_lacks_it(tried):
-    aligns = np.zeros((17, 17, 16), dtype=np.bool_)
-    _, runs = tried(aligns, [2.0])
-    assert not runs.any()
-    aligns[:, :, 0] = True  # stands for the nominal one as well
-    end, runs = tried(aligns, [2.0])
-    assert runs[:, :, 0].any()
-    assert (end == FAILS).any(axis=2).all()
-
-
-def test_the_excess_is_that_of_the_nearest_node_whose_starts_all_align():
-    end = np.full((1, 5, 2), NOT_TRIED)
-    end[0, 0] = ALIGNS
-    end[0, 3], end[0, 4, 0] = (ALIGNS, FAILS), ALIGNS
-    tau = np.where(end == ALIGNS, [[[7.0, 6.0]]], np.nan)
-    nominal = np.array([[5.0, 9.0, 9.0, 9.0, 8.0]])
-    found = starts.sum_up_starts(end, tau, np.isfinite(nominal), nominal)
-    share, excess, runs = (each[0].tolist() for each in found)
-    assert runs == [2, 0, 0, 2, 1]
-    assert share == [1.0, 1.0, 1.0, 2.0 / 3.0, 1.0]
-    assert excess == [2.0, 2.0, *excess[2:3], 0.0, 0.0]  # the third is as far from both
-    assert excess[2] in {0.0, 2.0}
-    untried = np.full_like(end, NOT_TRIED), np.full_like(tau, np.nan)
-    assert not starts.sum_up_starts(*untried, np.isfinite(nominal), nominal)[1].any()
+def test_a_reliable_node_aligns_from_every_start(found, device):
+    """The nodes one by one, start by start."""
+    reliable = found["reliable"].values
+    assert 0 < reliable.sum() < reliable.size
+    for (row, column), is_reliable in np.ndenumerate(reliable):
+        point = {name: float(found[f"start_{name}"][i])
+                 for name, i in (("press_force", row), ("tilt_stiffness", column))}  # fmt: skip
+        each = [device.replace(**point, **start) for start in starts_of(device, ENSEMBLE)]
+        runs = align(each, SETTINGS.settings)
+        assert is_reliable == (runs.outcome == Outcome.ALIGNED).all()
+        longest = float(found["start_tau_align"][row, column].max())
+        if is_reliable:
+            assert longest == pytest.approx(runs.tau_align.max(), abs=1e-6)
 
 
 def test_the_margin_is_the_distance_to_the_nearest_unreliable_node(found):
-    reliable = found.reliable == 1
+    reliable, margin = found["reliable"].values == 1, found["margin"].values
     rows, columns = np.nonzero(~reliable)
-    for row, column in ((0, 16), (3, 9), (16, 0)):
-        nearest = np.hypot(rows - row, columns - column).min() / CELLS
-        assert found.margin[row, column] == pytest.approx(nearest, abs=1e-12)
-    assert np.array_equal(found.margin == 0.0, ~reliable)
-    assert dataset._margin(np.ones((3, 3), dtype=np.bool_)).min() == math.inf
-    assert distance_transform_edt(reliable).max() > 1.0
+    below = np.array(reliable.shape) - 1
+    for (row, column), value in np.ndenumerate(margin):
+        nearest = np.hypot((rows - row) / below[0], (columns - column) / below[1]).min()
+        assert value == pytest.approx(nearest, abs=1e-12)
+    assert margin_of(np.ones((3, 3), dtype=np.bool_)).min() == math.inf
+    assert margin_of(np.array([[True], [False]])).tolist() == [[1.0], [0.0]]
 
 
-def test_between_nodes_of_the_ensemble_the_worse_value_holds():
-    values = np.array([[1.0, 1.0, 0.0], [1.0, 1.0, 1.0], [1.0, 1.0, 1.0]])
-    finer = dataset._between(np.minimum, values, 2)
-    assert finer.shape == (5, 5)
-    assert np.array_equal(finer[::2, ::2], values)
-    assert finer[0, 3] == finer[1, 4] == finer[1, 3] == 0.0
-    assert finer[3, 3] == 1.0
+@pytest.mark.parametrize("chunks", [2, 5])
+def test_chunks_and_cores_do_not_change_the_map(sweep, found, chunks, tmp_path):
+    paths = [tmp_path / f"{chunk}.nc" for chunk in range(chunks)]
+    for chunk, path in enumerate(paths):
+        write_dataset(run(sweep, chunk, chunks, cores=1 + chunk % 2), path)
+    again = merge(sweep, "title", read_chunks(paths, sweep.figure, sweep.identity))
+    xr.testing.assert_identical(again, found)
 
 
-@pytest.mark.parametrize("parts", [1, 2, 3])
-def test_parts_and_cores_do_not_change_the_map(plan, nodes, parts, tmp_path):
-    paths = [tmp_path / f"{part}.nc" for part in range(parts)]
-    for part, path in enumerate(paths):
-        done = compute_part(plan, part, parts, cores=1 + part % 2)
-        write_dataset(part_dataset(plan, part, parts, done), path)
-    again = map_dataset(plan, read_parts(plan, paths), "title")
-    xr.testing.assert_identical(again, map_dataset(plan, nodes, "title"))
-
-
-def test_a_part_of_another_map_is_refused(plan, device, tmp_path):
-    path, first = tmp_path / "0.nc", part_dataset(plan, 0, 1, MapNodes(plan))
-    other = plan_of("trial", device.replace(friction=0.2), SETTINGS, (X, Y), CELLS, ENSEMBLE)
-    for change in ({"config_hash": other.identity}, {"part": 1}, {"parts": 3}, {"figure": "fig14"}):
-        write_dataset(first.assign_attrs(change), path)
-        with pytest.raises(DatasetError, match=r"0\.nc: is not part 0 of trial; deleted"):
-            read_parts(plan, [path])
+def test_a_chunk_of_another_map_is_refused(sweep, tmp_path):
+    path, first = tmp_path / "0.nc", run(sweep, 0, 20)
+    other = sweep.model_copy(update={"ensemble": ENSEMBLE.model_copy(update={"every": 2})})
+    for change in ({"config_hash": other.identity}, {"chunk": 1}, {"chunks": 3}, {"figure": "x"}):
+        write_dataset(first.assign_attrs({"chunks": 1} | change), path)
+        with pytest.raises(DatasetError, match=r"0\.nc: is not chunk 0 of map; deleted"):
+            read_chunks([path], sweep.figure, sweep.identity)
         assert not path.exists()
-    write_dataset(first, path)
-    assert not read_parts(plan, [path]).nominal.computed.any()
-    with pytest.raises(ValueError, match="part = 2: must be 0 to 1"):
-        compute_part(plan, 2, 2)
-
-
-def test_the_dataset_is_a_chunked_and_compressed_grid(plan, nodes, tmp_path):
-    path = tmp_path / "map.nc"
-    marks = [("fig06", [3.0], [1.0, 2.0])]
-    write_dataset(map_dataset(plan, nodes, "title", marks), path)
-    with xr.open_dataset(path) as stored:
-        assert stored["tau_align"].dims == ("press_force", "tilt_stiffness")
-        assert stored["tau_align"].encoding["zlib"]
-        assert {"level", "trajectories", "reliable_share", "margin", "tau_worst"} <= set(stored)
-        assert int(stored["trajectories"].sum()) == stored.attrs["trajectories"]
-        assert stored["friction"].ndim == 0
-        assert stored.attrs["summary"].startswith(f"Results at {(CELLS + 1) ** 2} points over ")
-        mesh = stored["tau_align"].plot()
-        assert mesh.get_array().size == (CELLS + 1) ** 2
-    large = xr.Dataset({"a": (("y", "x"), np.zeros((300, 300)))})
-    write_dataset(large, path)
-    with xr.open_dataset(path) as stored:
-        assert stored["a"].encoding["chunksizes"] == (256, 256)
+    with pytest.raises(DatasetError, match="do not hold each of 221 points once"):
+        merge(sweep, "title", [first])
 
 
 def test_bad_maps_are_refused(device):
-    with pytest.raises(ValueError, match="resolution = 12: must be a power of two"):
-        plan_of("trial", device, SETTINGS, (X, Y), 12, None)
     with pytest.raises(ValueError, match="'tilt_stiffness' is varied twice"):
-        plan_of("trial", device, SETTINGS, (X, X), 16, None)
-    wide = Span(parameter="misalignment", start=0.2, stop=9.0)
+        map_of(device, SETTINGS, (X, X), ENSEMBLE)
+    wide = Axis(parameter="misalignment", start=0.2, stop=9.0, count=3)
     with pytest.raises(ValueError, match=r"misalignment = 9\.0: must be smaller than half_width"):
-        plan_of("trial", device, SETTINGS, (X, wide), 16, None)
-    uneven = Axis(parameter="press_force", start=1.0, stop=2.0, count=5)
-    plan = plan_of("trial", device, SETTINGS, (X, Y), 8, None)
-    with pytest.raises(ValueError, match="9 and 5 nodes"):
-        MapPlan.model_validate({**plan.model_dump(), "y": uneven.model_dump()})
+        map_of(device, SETTINGS, (X, wide), ENSEMBLE)
 
 
-def test_a_map_without_an_ensemble_has_no_reliable_share(device):
-    phases = Span(parameter="phase", start=0.0, stop=6.0)
-    plan = plan_of("trial", device, SETTINGS, (X, phases), 4, ENSEMBLE)
-    assert plan.ensemble is None
-    found = assemble(plan, MapNodes(plan))
-    assert set(found) == set(dataset.MAP_VARIABLES)
-    assert np.isnan(found["reliable_share"]).all()
-    assert np.array_equal(found["reliable"] == 1, found["outcome"] == Outcome.ALIGNED)
+def test_a_map_over_the_start_tries_no_others(device):
+    phases = Axis(parameter="phase", start=0.0, stop=6.0, count=3)
+    assert map_of(device, SETTINGS, (X, phases), ENSEMBLE).ensemble is None
 
 
-def test_the_maps_of_the_study_cover_the_ranges_of_its_figures():
+def test_a_map_of_a_device_runs_its_devices_from_every_start():
+    """Over a unit of the device, and over a ratio that stands for a parameter."""
+    peg = load_device(PEG)
+    x = QuantityAxis(parameter="mass", start=0.2, stop=0.4, count=2)
+    y = QuantityAxis(parameter="tilt_damping_ratio", start=0.05, stop=0.2, count=2)
+    sweep = map_of(peg, SETTINGS, (x, y), ENSEMBLE)
+    found = merge(sweep, "title", [run(sweep)])
+    assert found["start_tau_align"].attrs["units"] == "s"
+    for row, column in np.ndindex(2, 2):
+        one = peg.at({"mass": x.values[column], "tilt_damping_ratio": y.values[row]})
+        starts, batch = starts_of(peg.parameters, ENSEMBLE), Batch.stack([one.parameters])
+        runs = every_start(batch, starts, SETTINGS.settings)
+        outcome = found["start_outcome"].values[row, column].ravel()
+        np.testing.assert_array_equal(outcome, runs["outcome"][0])
+        seconds = found["start_tau_align"].values[row, column].ravel()
+        np.testing.assert_allclose(seconds, runs["tau_align"][0] * one.units.time, rtol=1e-12)
+
+
+def test_the_maps_of_the_study_mark_the_other_figures():
     study = load_study(study_path())
-    for name in study.map_names:
-        plan = map_plan(study, name)
-        plane = study.plane(name)
-        assert (plan.x.start, plan.x.stop) == (plane.x.start, plane.x.stop)
-        assert plan.cells == (1024 if name in ("fig13", "fig14") else 512)
-        assert len(plan.starts()) >= 16
+    for name in ("fig13", "fig14", *study.maps.planes):
+        starts = sweep_of(study, name).starts
+        assert starts is not None
+        assert starts.shape == (38, 38, 2, 16)
     marks = marks_of(study, "fig13")
     five = study.parameters("fig05")
     assert ("fig05", [five.tilt_stiffness], [five.press_force]) in marks

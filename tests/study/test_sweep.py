@@ -21,7 +21,8 @@ from model.study.io import (
     read_dataset,
     write_dataset,
 )
-from model.study.sweep import Sweep, merge, run, sweep_of
+from model.study.plans import sweep_of
+from model.study.sweep import Sweep, merge, run
 
 
 @pytest.fixture(scope="module")

@@ -8,7 +8,7 @@ from model import Settings
 from model.physics.parameters import Batch
 from model.study.assessment.yields import yield_of
 from model.study.devices import load_device
-from model.study.maps.starts import every_start
+from model.study.starts import every_start
 
 DEVICES = Path(__file__).resolve().parents[2] / "docs" / "devices"
 STARTS = [{"phase": phase, "initial_tilt": 0.001} for phase in (0.0, 1.6, 3.1, 4.7)]

@@ -29,12 +29,12 @@ def test_earlier_invocations_and_runs_are_compared_by_what_is_kept(recorded) -> 
         assert values["friction"] == (0.12, None)
 
 
-def test_a_map_does_not_stand_for_the_figure_of_its_name(recorded) -> None:
+def test_a_run_of_the_claims_does_not_stand_for_the_figure_of_its_name(recorded) -> None:
     names = []
     for shift in (0.0, 0.5):
         with recorded.invoked() as invocation:
             recorded.merge(shift)
-            recorded.map()
+            recorded.run_of_claims()
         names.append(invocation.name)
     difference = found(recorded, *names)
     assert [each.largest for each in difference.data] == [0.5]
@@ -45,11 +45,11 @@ def test_data_that_are_no_figures_differ_by_their_bytes(recorded) -> None:
     names = []
     for shift in (0.0, 0.0, 0.5):
         with recorded.invoked() as invocation:
-            recorded.map(shift)
-        names.append(f"map/fig06@{invocation.name}")
+            recorded.run_of_claims(shift)
+        names.append(f"claims_runs/fig06@{invocation.name}")
     assert not found(recorded, *names[:2]).differs
     difference = found(recorded, names[0], names[2])
-    assert difference.other_data == ["map/fig06: fig06.nc"]
+    assert difference.other_data == ["claims_runs/fig06: fig06.nc"]
     assert difference.differs
 
 

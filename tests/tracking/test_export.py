@@ -42,10 +42,10 @@ def test_results_are_what_the_invocation_made_not_what_replaced_it(built) -> Non
 def test_results_are_placed_where_the_job_left_them(recorded) -> None:
     with recorded.invoked():
         recorded.compare()
-        recorded.map()
+        recorded.run_of_claims()
     (record,) = load_history(recorded.root)
     assert set(results_of(record, recorded.root)) == {
-        "data/precision.csv", "benchmarks/precision.csv", "data/maps/fig06.nc",
+        "data/precision.csv", "benchmarks/precision.csv", "data/claims/fig06.nc",
     }  # fmt: skip
 
 

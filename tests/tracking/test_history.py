@@ -200,7 +200,7 @@ def test_what_is_not_as_its_job_left_it_is_deleted(recorded) -> None:
 
 @pytest.mark.parametrize(
     ("run", "figure"),
-    [("chunk/fig06/0", "fig06"), ("plot/maps/fig13_vibration", "fig13"), ("kernels", None)],
+    [("chunk/fig06/0", "fig06"), ("plot/fig13_vibration", "fig13"), ("kernels", None)],
 )
 def test_a_run_is_named_with_its_rule_and_figure(run, figure):
     assert named(run) == {"run": run, "rule": run.split("/", 1)[0], "figure": figure}

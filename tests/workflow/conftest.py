@@ -29,9 +29,16 @@ TINY: dict[str, Any] = {
         "fig13": {"x": {"count": 4}, "y": {"count": 3}, "chunks": 3},
     },
     "maps": {
-        "resolution": {"figures": 4, "planes": 2},
-        "chunks": 2,
-        "ensemble": {"phases": 2, "tilts": [1.0], "every": 4},
+        "ensemble": {"phases": 2, "tilts": [1.0], "every": 2},
+        "planes": {
+            name: {"x": {"count": 3}, "y": {"count": 3}, "chunks": 1}
+            for name in (
+                "press_force_frequency",
+                "friction_press_force",
+                "clearance_misalignment",
+                "stiffnesses",
+            )
+        },
     },
     "accuracy": {
         "horizon": 30.0,
@@ -76,7 +83,7 @@ PRELOADED = """
 import json, os, runpy, select, signal, socket, sys
 import matplotlib.pyplot, netCDF4, pint, scipy.ndimage, scipy.special, smart_open, xarray
 import snakemake.cli, snakemake.report.html_reporter
-import model.study.claims, model.study.config, model.study.maps
+import model.study.claims, model.study.config, model.study.plans
 from model.engines.batch.event_kernels import in_vector_kernels
 
 for scene in model.ALIGNMENT, model.INSERTION:
@@ -161,7 +168,6 @@ class Workspace:
         "tiny/data/fig05.nc",
         "tiny/data/fig11.nc",
         "tiny/data/fig13.nc",
-        "tiny/data/maps/fig13.nc",
     )
     BESIDE = ("tiny/data/precision.csv",)
     PICTURES = tuple(f"tiny/figures/fig11.{kind}" for kind in ("png", "svg", "pdf"))

@@ -21,9 +21,8 @@ COMPARED = {"precision", "hard_cases", "draw_methods"}
 METHODS = {*COMPARED, *LAST}
 JUDGED = {"claims", *LAST}
 DRAWN = {"plot", *JUDGED}
-MAPPED = {"map_part", "map"}
 COMPUTED = {
-    "sweep", "chunk", "merge", *MAPPED, "claims_runs", *METHODS, *DRAWN, "explorer",
+    "sweep", "chunk", "merge", "claims_runs", *METHODS, *DRAWN, "explorer",
 }  # fmt: skip
 KERNELS = {"kernels", "unlocated_kernels", "page_engines"}
 EVERYTHING = {*KERNELS, "schematic", *COMPUTED}
@@ -46,9 +45,7 @@ EDITS = [
     ("src/model/study/files.py", "0o666", "0o660", EVERYTHING),
     ("src/model/study/io.py", '"complevel": 4', '"complevel": 5', COMPUTED - COMPARED),
     ("src/model/study/sweep.py", "_STATIC = 1.0", "_STATIC = 2.0",
-     COMPUTED - {*MAPPED, *COMPARED}),
-    ("src/model/study/maps/compute.py", "PERIODS = 0.4", "PERIODS = 0.5",
-     {*MAPPED, "plot", "explorer", *LAST}),
+     COMPUTED - COMPARED),
     ("src/model/study/claims/claims.yaml", "least: 0.8", "least: 0.7", JUDGED),
     # What is shown
     ("src/model/show/style.py", '"font.size": 9.0', '"font.size": 9.5', PICTURES),
@@ -126,20 +123,18 @@ def test_the_reason_of_a_rerun_names_the_file(project: Any) -> None:
 
 # A part of the configuration, and the rules that must run again
 STATED = [
-    # Maps mark where other figures stand: they are assembled anew, and not computed.
-    ({"figures": {"fig11": {"held": {"press_force": 2.6}}}},
-     {"sweep", "map", "explorer", *DRAWN}),
+    # Maps mark where other figures stand: they are drawn anew, and not computed.
+    ({"figures": {"fig11": {"held": {"press_force": 2.6}}}}, {"sweep", "explorer", *DRAWN}),
     ({"figures": {"fig11": {"title": "Another title"}}}, {"sweep", "explorer", *DRAWN}),
     # Captions stand on the two pages, and in no dataset.
     ({"figures": {"fig11": {"caption": "Another caption."}}}, {"explorer", *LAST}),
     ({"figures": {"fig13": {"caption": "Another caption."}}}, {"explorer", *LAST}),
-    # The picture is that of the refined map, with the figure's own points that do not go in.
     ({"figures": {"fig13": {"chunks": 2}}}, {"chunk", "merge", "explorer", *DRAWN}),
     ({"settings": {"tolerance": 1e-9}}, COMPUTED),
     ({"claims_runs": {"rubbing": {"held": {"frequency": 0.6}}}},
      {"claims_runs", "plot", "explorer", *JUDGED}),
 ]  # fmt: skip
-OF_ALL = {"map", "explorer", "draw_methods", "claims", *LAST}
+OF_ALL = {"explorer", "draw_methods", "claims", *LAST}
 
 
 @pytest.mark.parametrize(("stated", "expected"), STATED, ids=[str(each[0]) for each in STATED])

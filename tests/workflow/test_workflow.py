@@ -78,7 +78,6 @@ def test_an_edit_below_every_job_leaves_none_of_them_out(copy_of_built: Any) -> 
     edited = copy_of_built.dry_run(*copy_of_built.DATA, *copy_of_built.BESIDE)
     counts = dict(line.split() for line in edited.stdout.splitlines() if len(line.split()) == 2)
     jobs = ("kernels", "sweep", "chunk", "merge", "unlocated_kernels", "precision")
-    jobs += ("map_part", "map")
     assert set(jobs) <= set(counts), edited.stdout
     assert int(counts["chunk"]) == 3
 
@@ -109,7 +108,7 @@ def test_fuzz_with_more_sets_tries_only_the_further_ones(copy_of_built: Any) -> 
     assert "fuzz_part 2" in " ".join(dry.stdout.split()), dry.stdout + dry.stderr
 
 
-THREADED = ("sweep", "merge", "map", "claims_runs", "claims", "plot")
+THREADED = ("sweep", "merge", "claims_runs", "claims", "plot")
 
 
 def build_whole(made: Any, cores: int, first: str | None) -> list[str]:

@@ -2,8 +2,7 @@
 
 from pathlib import Path
 
-from model.study.maps.plan import map_plan
-from model.study.sweep import sweep_of
+from model.study.plans import marks_of, sweep_of
 from model.tracking.code import code_hash, code_of
 from benchmarks.plans import HARD_PICTURES, PICTURES
 
@@ -30,14 +29,14 @@ def pictures(*places):
     return [f"<results>/{place}{kind}" for place in places for kind in (".png", ".svg", ".pdf")]
 
 
-def figure_sweep(wildcards):
-    """Return the sweep of a figure."""
-    return stated(sweep_of(study, wildcards.figure))
+def sweep(wildcards):
+    """Return the sweep of a figure or map."""
+    return stated(sweep_of(study, wildcards.name))
 
 
-def plan(wildcards):
-    """Return the plan of a map."""
-    return stated(map_plan(study, wildcards.map))
+def chunks(wildcards):
+    """Return the number of chunks of a figure or map."""
+    return study.spec_of(wildcards.name).chunks
 
 
 def picture_at(wildcards):

@@ -11,7 +11,6 @@ from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake):
     made, study = modules(), Study.model_validate(snakemake.params.study)
-    files = zip(snakemake.input.maps, snakemake.input.refined, strict=True)
-    maps = [(Path(coarse), Path(refined)) for coarse, refined in files]
+    maps = [Path(file) for file in snakemake.input.maps]
     page = build_page(study_model(study, made.interface, maps), made)
     write_text(page, Path(snakemake.output.page))

@@ -171,7 +171,7 @@ def _drawn(
 ) -> tuple["Yield", "FailingDevice | None"]:
     """Return the yield of a device, and the nearest drawn device that fails."""
     from model.study.assessment import judge, yields  # noqa: PLC0415  (scipy)
-    from model.study.maps.starts import starts_of  # noqa: PLC0415
+    from model.study.starts import starts_of  # noqa: PLC0415
 
     settings = replace(settings, tolerance=max(settings.tolerance, judge.STATISTICAL_TOLERANCE))
     starts = starts_of(stated.device.parameters, ensemble)

@@ -112,7 +112,7 @@ def _search(arguments: argparse.Namespace, given: Inputs, seed: int) -> "Search"
     from model.study.assessment.yields import check_devices  # noqa: PLC0415  (as below)
     from model.study.design import Search  # noqa: PLC0415  (only this command)
     from model.study.design_judges import Judges  # noqa: PLC0415
-    from model.study.maps.starts import starts_of  # noqa: PLC0415
+    from model.study.starts import starts_of  # noqa: PLC0415
 
     assert given.stated is not None  # noqa: S101  (--device is given)
     devices = check_devices(number("devices", arguments.devices))

@@ -32,7 +32,7 @@ from model.study.assessment.yields import DEVICES, drawn, nearest_failing
 from model.study.devices import StatedDevice
 from model.study.devices.amounts import SIGMAS
 from model.study.devices.batches import Values, devices_of
-from model.study.maps.starts import Starts
+from model.study.starts import Starts
 
 POINTS = 16  # devices drawn within the tolerances of a setting, a power of two
 QUARTERS = 4  # the quick judge tries one start of every four

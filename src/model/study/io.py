@@ -1,6 +1,7 @@
 """Datasets of the study on disk: their attributes, and how they are written and read."""
 
 import json
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from enum import IntEnum
@@ -17,8 +18,6 @@ from model.physics.quantities import ANGLE, PLAIN, Quantity
 from model.runs.settings import Settings
 from model.study.files import atomic_write, check_encoding
 from model.study.version import version
-
-_LARGE = 2**16  # number of values above which a grid is stored in pieces
 
 
 class DatasetError(ValueError):
@@ -68,10 +67,11 @@ def parameter_attributes(name: str) -> dict[str, Any]:
 
 
 def summary_of(swept: Mapping[str, int]) -> str:
-    """Return a sentence on the grid of a dataset: its parameters and their numbers of values."""
-    points = int(np.prod([*swept.values()]))
-    over = " by ".join(f"{FIELDS[name].description} ({count})" for name, count in swept.items())
-    return f"Results at {points} points over {over}." if swept else "One run over time."
+    """Return a sentence on the grid of a dataset: what is swept, in words, with its values."""
+    if not swept:
+        return "One run over time."
+    over = " by ".join(f"{words} ({count})" for words, count in swept.items())
+    return f"Results at {math.prod(swept.values())} points over {over}."
 
 
 def parameter_coordinates(
@@ -170,8 +170,6 @@ def write_dataset(dataset: xr.Dataset, path: Path) -> None:
         encoding[str(name)] = {"_FillValue": missing}
         if variable.ndim:
             encoding[str(name)] |= {"zlib": True, "complevel": 4, "shuffle": True}
-        if variable.ndim == 2 and variable.size > _LARGE:
-            encoding[str(name)] |= {"chunksizes": tuple(min(n, 256) for n in variable.shape)}
     stored = described(dataset).copy()
     stored.attrs = as_characters(stored.attrs)
     for variable in stored.variables.values():
@@ -209,23 +207,23 @@ def read_dataset(path: Path) -> xr.Dataset:
     return dataset
 
 
-def read_pieces(word: str, paths: Sequence[Path], figure: str, identity: str) -> list[xr.Dataset]:
-    """Read the pieces of a dataset in order: ``word`` is "chunk" or "part".
+def read_chunks(paths: Sequence[Path], figure: str, identity: str) -> list[xr.Dataset]:
+    """Read the chunks of a dataset in order.
 
     Wrong files are deleted with their sidecars, so that they are made anew.
 
     Raises:
-        DatasetError: files cannot be read, or hold other pieces; the message names them.
+        DatasetError: files cannot be read, or hold other chunks; the message names them.
     """
-    pieces, faults = [], {}
+    chunks, faults = [], {}
     for number, path in enumerate(paths):
-        which = {word: number, f"{word}s": len(paths)}
-        expected = {"figure": figure, "config_hash": identity, **which}
+        expected = {"figure": figure, "config_hash": identity, "chunk": number}
+        expected["chunks"] = len(paths)
         try:
-            piece = read_dataset(path)
-            if not expected.items() <= piece.attrs.items():
-                raise DatasetError(f"{path}: is not {word} {number} of {figure}")  # noqa: TRY301
-            pieces.append(piece)
+            chunk = read_dataset(path)
+            if not expected.items() <= chunk.attrs.items():
+                raise DatasetError(f"{path}: is not chunk {number} of {figure}")  # noqa: TRY301
+            chunks.append(chunk)
         except DatasetError as fault:
             faults[path] = str(fault)
     for path in faults:
@@ -233,4 +231,4 @@ def read_pieces(word: str, paths: Sequence[Path], figure: str, identity: str) ->
         path.with_suffix(".run.json").unlink(missing_ok=True)
     if faults:
         raise DatasetError(f"{'; '.join(faults.values())}; deleted: run again to compute it anew")
-    return pieces
+    return chunks

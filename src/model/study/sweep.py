@@ -1,12 +1,14 @@
 """Sweeps: runs over a grid of parameters, computed in chunks and merged into one dataset.
 
-Figures, further runs of the claims and the runs of jamming are sweeps; ``sweep_of`` reads them from
-the configuration. A trajectory is a sweep without dimensions. The same sweep and code give the same
-bytes: time stamps and versions go into sidecars.
+Figures, maps, further runs of the claims and the runs of jamming are sweeps. A trajectory is a
+sweep without dimensions. A map may have a second sweep in the same dataset: at every few nodes the
+runs begin from all starts of an ensemble (starts.py). The same sweep and code give the same bytes:
+time stamps and versions go into sidecars.
 """
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Literal
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -14,25 +16,26 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from model.engines.results import IN_SLOT, RESULTS, UNVIBRATED_CONTROL, VALUE_TYPES
-from model.events.outcomes import Outcome
+from model.events.outcomes import SUCCESSES, Outcome
 from model.physics.parameters import Batch, Parameters
-from model.runs.align import align
+from model.physics.units import Units
+from model.runs.align import align, run_once
 from model.runs.insertion_outcome import insertion_outcomes
+from model.runs.settings import Settings
 from model.runs.simulate import Trajectory, simulate
 from model.runs.unvibrated import unvibrated_results
 from model.study.config.base import Axis, Family, Plan, points_of_chunk
-from model.study.config.settings import RunSettings
+from model.study.config.settings import Ensemble, RunSettings
 from model.study.io import (
     HISTORY_VARIABLES,
+    NO_YES,
     VARIABLES,
     DatasetError,
     global_attributes,
     parameter_coordinates,
     summary_of,
 )
-
-if TYPE_CHECKING:
-    from model.study.config.study import Study
+from model.study.starts import tilts_and_phases
 
 Columns = Mapping[str, NDArray[Any]]
 """Variables by name: of runs, each of shape (n,), or of one trajectory over time."""
@@ -64,24 +67,51 @@ TRACK_QUANTITIES: Mapping[str, dict[str, Any]] = {
 _TIME = {"units": "1", "long_name": "time", "symbol": "τ"}
 _DEPTH = {"units": "1", "long_name": "depth at which the part counts as inserted"}
 _ATTRIBUTES = {**VARIABLES, **TRACK_QUANTITIES, "insertion_depth": _DEPTH}
-_IN_THE_SLOT = (
-    "outcome", "reason", "tau_align", "tilt_at_alignment", "sensitive", "rhs_evaluations",
-    "insertion_depth",
-)  # fmt: skip
 _STATIC = 1.0  # time over which the end is averaged without an excitation
 
 
+# Results of ``align`` that ``run_once`` lacks.
+_ESTIMATED = {name for name, result in RESULTS.items() if result.estimated}
+START = "start_"  # begins the names of what belongs to the sweep over starts
+_OF_STARTS: Mapping[str, dict[str, Any]] = {
+    "reliable": {"long_name": "aligns, or goes in, from every start of the ensemble", **NO_YES},
+    "margin": {
+        "long_name": "distance to the nearest node that is not reliable",
+        "comment": "each axis' range is the unit along it; infinite if there is no such node",
+        "units": "1",
+    },
+}
+
+
+class Group(NamedTuple):
+    """Points of a sweep whose runs have the same settings.
+
+    Attributes:
+        places: which of the points asked for.
+        batch: their parameter sets.
+        settings: settings of their runs.
+        units: the unit system of each set, None for dimensionless results.
+    """
+
+    places: NDArray[np.int64]
+    batch: Batch
+    settings: Settings
+    units: Sequence[Units] | None = None
+
+
 class Sweep(Plan):
-    """Runs over a grid of no parameter to three.
+    """Runs over a grid of no parameter to four.
 
     Attributes:
         figure: name of the dataset: "fig06", "centred", "jamming", ….
-        kind: "history" (no dimensions), "curves" (family, swept) or "map" (y, x, or three).
+        kind: "history" (no dimensions), "curves" (family, swept) or "map" (y, x, or more).
         parameters: every parameter, None where it is derived. Swept ones have the baseline's
             values; no run uses these, but they count in the identity.
         settings: settings of the runs.
         dimensions: swept parameters, slowest first.
-        variables: names of the dataset's variables of a run; no others are computed.
+        variables: names of the dataset's variables of a run; no others are computed. Without those
+            of errors, runs are made once.
+        ensemble: starts that are tried at every few nodes of a map, None for no others.
     """
 
     figure: str
@@ -92,6 +122,7 @@ class Sweep(Plan):
     variables: tuple[str, ...] = Field(
         default=tuple(VARIABLES), exclude_if=lambda names: names == tuple(VARIABLES)
     )
+    ensemble: Ensemble | None = Field(default=None, exclude_if=lambda starts: starts is None)
 
     @property
     def baseline(self) -> Parameters:
@@ -104,62 +135,54 @@ class Sweep(Plan):
         return tuple(len(dimension.values) for dimension in self.dimensions)
 
     @property
+    def swept(self) -> dict[str, list[float]]:
+        """Values of each swept parameter."""
+        return {dimension.parameter: dimension.values for dimension in self.dimensions}
+
+    @property
+    def starts(self) -> "Sweep | None":
+        """Sweep over nodes and starts: dimensions of a map, tilts, phases."""
+        if self.ensemble is None:
+            return None
+        tilts, phases = tilts_and_phases(self.baseline, self.ensemble)
+        values = {name: each[:: self.ensemble.every] for name, each in self.swept.items()}
+        values |= {"initial_tilt": list(dict.fromkeys(tilts)), "phase": phases}
+        dimensions = [Family.model_construct(parameter=n, values=v) for n, v in values.items()]
+        of_starts = {"ensemble": None, "variables": ("outcome", "tau_align")}
+        return self.model_copy(update={"dimensions": dimensions, **of_starts})
+
+    @property
+    def parts(self) -> dict[str, "Sweep"]:
+        """This sweep, and the one over starts, by the beginning of the names of what is theirs."""
+        return {"": self} if self.starts is None else {"": self, START: self.starts}
+
+    @property
     def metadata(self) -> dict[str, Any]:
-        """Metadata of the sidecar: identity, parameters, settings, dimensions."""
-        stated = self.model_dump(mode="json", include={"parameters", "settings", "dimensions"})
-        return {"config_hash": self.identity, **stated}
+        """Metadata of the sidecar: identity, parameters, settings, dimensions, ensemble."""
+        fields = {"parameters", "settings", "dimensions", "ensemble"}
+        return {"config_hash": self.identity, **self.model_dump(mode="json", include=fields)}
+
+    def values(self, points: NDArray[np.int64]) -> dict[str, NDArray[np.float64]]:
+        """Return the swept parameters at flat indices ``points``, each of shape (n,)."""
+        places = np.unravel_index(points, self.shape) if self.dimensions else ()
+        swept = zip(self.swept.items(), places, strict=True)
+        return {name: np.array(values)[place] for (name, values), place in swept}
 
     def batch(self, points: NDArray[np.int64]) -> Batch:
         """Return the parameter sets at flat indices ``points``."""
-        places = np.unravel_index(points, self.shape) if self.dimensions else ()
-        swept = {
-            dimension.parameter: np.array(dimension.values)[place]
-            for dimension, place in zip(self.dimensions, places, strict=True)
-        }
-        return Batch.of(self.baseline, **swept)
+        return Batch.of(self.baseline, **self.values(points))
 
+    def groups(self, points: NDArray[np.int64]) -> Iterator[Group]:
+        """Yield the parameter sets at flat indices ``points``, with the settings of their runs."""
+        yield Group(np.arange(points.size), self.batch(points), self.settings.settings)
 
-def sweep_of(study: "Study", name: str) -> Sweep:
-    """Return the sweep of a figure, of a run of the claims, or of "jamming".
+    def coordinates(self) -> dict[str, Any]:
+        """Return the coordinates of the dataset: swept parameters, and the others as scalars."""
+        return parameter_coordinates(self.swept, self.parameters)
 
-    Raises:
-        ValueError: the figure is a drawing.
-    """
-    if name in study.claims_runs:
-        run = study.claims_runs[name]
-        return Sweep(
-            figure=name,
-            kind="curves",
-            parameters=study.claim_parameters(name).given(),
-            settings=study.settings,
-            dimensions=[run.family, run.swept],
-            variables=(*VARIABLES, *TRACK_QUANTITIES),
-        )
-    if name == "jamming":
-        slot = study.jamming
-        return Sweep(
-            figure=name,
-            kind="map",
-            parameters=study.baseline.replace(**slot.held).given(),
-            settings=study.settings.model_copy(update={"scene": "insertion"}),
-            dimensions=[slot.clearance, slot.tilt_stiffness, slot.friction],
-            variables=_IN_THE_SLOT,
-        )
-    spec = study.figures[name]
-    dimensions: list[Axis | Family] = []
-    if spec.kind == "schematic":
-        raise ValueError(f"{name} is a drawing: it has no sweep")
-    if spec.kind == "curves":
-        dimensions = [spec.family, spec.swept]
-    elif spec.kind == "map":
-        dimensions = [spec.y, spec.x]
-    return Sweep(
-        figure=name,
-        kind=spec.kind,
-        parameters=study.parameters(name).given(),
-        settings=study.settings,
-        dimensions=dimensions,
-    )
+    def attributes(self, name: str) -> dict[str, Any]:
+        """Return the attributes of a variable."""
+        return _ATTRIBUTES[name]
 
 
 # --- Computing ----------------------------------------------------------------------------------
@@ -168,49 +191,68 @@ def sweep_of(study: "Study", name: str) -> Sweep:
 def run(sweep: Sweep, chunk: int = 0, chunks: int = 1, cores: int = 1) -> xr.Dataset:
     """Run one chunk of a sweep; return its variables over ``point``, the flat index into the grid.
 
-    Variables of a trajectory have the dimension ``sample``.
+    Variables of a trajectory have the dimension ``sample``, those of starts ``start_point``.
 
     Raises:
         ValueError: ``chunk`` is not below ``chunks``.
     """
-    points = points_of_chunk(int(np.prod(sweep.shape)), chunk, chunks)
-    found = _computed(sweep, sweep.batch(points), cores)
-    variables: dict[str, Any] = {
-        name: (
-            POINT,
-            found[name].astype(VALUE_TYPES[name].stored if name in VARIABLES else np.float64),
-            _ATTRIBUTES[name],
-        )
-        for name in sweep.variables
-    }
-    if sweep.kind == "history":
+    variables: dict[str, Any] = {}
+    coordinates: dict[str, Any] = {}
+    for prefix, part in sweep.parts.items():
+        points = points_of_chunk(math.prod(part.shape), chunk, chunks)
+        over, where = f"{prefix}{POINT}", {"units": "1", "long_name": "flat index into the grid"}
+        coordinates[over] = (over, points, where)
+        found, courses = _results(part, points, cores)
         variables |= {
-            name: (SAMPLE, found[name], attributes)
+            f"{prefix}{name}": (over, found[name], part.attributes(name)) for name in part.variables
+        }
+        variables |= {
+            name: (SAMPLE, courses[name], attributes)
             for name, attributes in {"time": _TIME, **HISTORY_VARIABLES}.items()
+            if courses
         }
     stated = {"figure": sweep.figure, "config_hash": sweep.identity, "chunk": chunk}
     words = {
         "title": f"{sweep.figure}: chunk {chunk + 1} of {chunks}",
         "summary": "Results at some points of a grid, before they are merged into its dataset.",
     }
-    where = {"units": "1", "long_name": "flat index into the grid"}
-    return xr.Dataset(
-        variables, {POINT: (POINT, points, where)}, {**words, **stated, "chunks": chunks}
-    )
+    return xr.Dataset(variables, coordinates, {**words, **stated, "chunks": chunks})
 
 
-def _computed(sweep: Sweep, batch: Batch, cores: int) -> dict[str, NDArray[Any]]:
+def _results(
+    sweep: Sweep, points: NDArray[np.int64], cores: int
+) -> tuple[dict[str, NDArray[Any]], dict[str, NDArray[Any]]]:
+    """Return ``sweep.variables`` at points as they are stored, and of a history those over time."""
+    found: dict[str, NDArray[Any]] = {}
+    courses: dict[str, NDArray[Any]] = {}
+    for places, batch, settings, units in sweep.groups(points):
+        columns, courses = _computed(sweep, batch, settings, cores)
+        for name in sweep.variables:
+            kind = VALUE_TYPES[name].stored if name in VARIABLES else np.float64
+            values = columns[name]
+            if units is not None and name in RESULTS:
+                values = values * [each.of(RESULTS[name].quantity) for each in units]
+            found.setdefault(name, np.empty(points.size, kind))[places] = values
+    return found, courses
+
+
+def _computed(
+    sweep: Sweep, batch: Batch, settings: Settings, cores: int
+) -> tuple[dict[str, NDArray[Any]], dict[str, NDArray[Any]]]:
     """Return ``sweep.variables`` of the runs, and for a history the variables over time."""
-    settings, wanted = sweep.settings.settings, {*sweep.variables}
-    tracks = []
+    wanted, tracks = {*sweep.variables}, []
+    found: dict[str, NDArray[Any]] = {"insertion_depth": batch.insertion_depths()}
+    courses: dict[str, NDArray[Any]] = {}
     if sweep.kind == "history" or wanted & {*TRACK_QUANTITIES}:
         tracks = [simulate(batch[row], settings) for row in range(len(batch))]
     if sweep.kind == "history":
         (track,) = tracks
-        found = {name: np.array([getattr(track, name)]) for name in RESULTS}
-        found |= {"time": track.time, **track.track_variables}
+        found |= {name: np.array([getattr(track, name)]) for name in RESULTS}
+        courses = {"time": track.time, **track.track_variables}
+    elif wanted & _ESTIMATED:
+        found |= vars(align(batch, settings, cores=cores))
     else:
-        found = dict(vars(align(batch, settings, cores=cores)))
+        found |= run_once(batch, settings.quickest, cores=cores)
     if wanted & {*UNVIBRATED_CONTROL}:
         found |= unvibrated_results(batch, settings, cores)
     if wanted & {*IN_SLOT}:
@@ -218,7 +260,7 @@ def _computed(sweep: Sweep, batch: Batch, cores: int) -> dict[str, NDArray[Any]]
     if wanted & {*TRACK_QUANTITIES}:
         rows = [_of_track(track) for track in tracks]
         found |= {name: np.array([row[name] for row in rows]) for name in TRACK_QUANTITIES}
-    return {**found, "insertion_depth": batch.insertion_depths()}
+    return found, courses
 
 
 def _of_track(track: Trajectory) -> dict[str, float]:
@@ -264,18 +306,18 @@ def merge(sweep: Sweep, title: str, parts: Sequence[xr.Dataset]) -> xr.Dataset:
                 f"{sweep.figure}: a chunk belongs to sweep {part.attrs.get('config_hash')!r}, not "
                 f"{sweep.identity!r}: delete the chunks of this figure and run again"
             )
-    size = int(np.prod(sweep.shape))
-    points = np.concatenate([part[POINT].values for part in parts])
-    if not np.array_equal(np.sort(points), np.arange(size)):
-        raise DatasetError(
-            f"{sweep.figure}: the chunks do not hold each of {size} points once: delete the "
-            "chunks of this figure and run again"
-        )
-    order = np.argsort(points)
-    columns = {
-        name: np.concatenate([part[name].values for part in parts])[order]
-        for name in sweep.variables
-    }
+    columns = {}
+    for prefix, own in sweep.parts.items():
+        size = math.prod(own.shape)
+        points = np.concatenate([each[f"{prefix}{POINT}"].values for each in parts])
+        if not np.array_equal(np.sort(points), np.arange(size)):
+            raise DatasetError(
+                f"{sweep.figure}: the chunks do not hold each of {size} points once: delete the "
+                "chunks of this figure and run again"
+            )
+        order = np.argsort(points)
+        for name in (f"{prefix}{each}" for each in own.variables):
+            columns[name] = np.concatenate([each[name].values for each in parts])[order]
     if sweep.kind == "history":
         columns |= {name: parts[0][name].values for name in ("time", *HISTORY_VARIABLES)}
     return dataset_of(sweep, title, columns)
@@ -283,7 +325,6 @@ def merge(sweep: Sweep, title: str, parts: Sequence[xr.Dataset]) -> xr.Dataset:
 
 def dataset_of(sweep: Sweep, title: str, columns: Columns) -> xr.Dataset:
     """Return the dataset of a sweep from columns in the order of its points."""
-    swept = {dimension.parameter: dimension.values for dimension in sweep.dimensions}
     variables: dict[str, Any] = {}
     coordinates: dict[str, Any] = {}
     if sweep.kind == "history":
@@ -291,9 +332,43 @@ def dataset_of(sweep: Sweep, title: str, columns: Columns) -> xr.Dataset:
         for name, attributes in HISTORY_VARIABLES.items():
             variables[name] = (SAMPLE, columns[name], attributes)
     for name in sweep.variables:
-        variables[name] = ([*swept], columns[name].reshape(sweep.shape), _ATTRIBUTES[name])
-    coordinates |= parameter_coordinates(swept, sweep.parameters)
+        values = columns[name].reshape(sweep.shape)
+        variables[name] = ([*sweep.swept], values, sweep.attributes(name))
+    coordinates |= sweep.coordinates()
+    if sweep.starts is not None:
+        variables |= _of_starts(sweep.starts, columns)
+        coordinates |= {
+            f"{START}{name}": (f"{START}{name}", values, coordinates[name][2])
+            for name, values in sweep.starts.swept.items()
+        }
     settings = sweep.settings.settings
-    summary = summary_of({name: len(values) for name, values in swept.items()})
+    summary = summary_of(
+        {coordinates[name][2]["long_name"]: len(values) for name, values in sweep.swept.items()}
+    )
     stated = global_attributes(sweep.figure, sweep.kind, sweep.identity, title, summary, settings)
     return xr.Dataset(variables, coordinates, stated)
+
+
+def _of_starts(sweep: Sweep, columns: Columns) -> dict[str, Any]:
+    """Return the variables of a sweep over starts, and what they say of its nodes."""
+    dims = [f"{START}{name}" for name in sweep.swept]
+    variables: dict[str, Any] = {}
+    for name in sweep.variables:
+        attributes = sweep.attributes(name)
+        words = {"long_name": f"{attributes['long_name']}, from each start"}
+        values = columns[f"{START}{name}"].reshape(sweep.shape)
+        variables[f"{START}{name}"] = (dims, values, attributes | words)
+    goes_in = np.isin(variables[f"{START}outcome"][1], SUCCESSES)
+    reliable = np.logical_and.reduce(goes_in, axis=(2, 3))
+    values_of = {"reliable": reliable.astype(np.int8), "margin": margin_of(reliable)}
+    return variables | {name: (dims[:2], v, _OF_STARTS[name]) for name, v in values_of.items()}
+
+
+def margin_of(reliable: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """Return the distance of nodes to the nearest unreliable node; the range of an axis is 1."""
+    if reliable.all():
+        return np.full(reliable.shape, np.inf)
+    from scipy.ndimage import distance_transform_edt  # noqa: PLC0415  (slow)
+
+    spacing = [1.0 / max(count - 1, 1) for count in reliable.shape]
+    return np.asarray(distance_transform_edt(reliable, sampling=spacing))

@@ -85,13 +85,12 @@ def _along(counts: Counts, name: str) -> np.ndarray:
 
 
 def _reliable(results: Results) -> Finding | None:
-    refined = results.dataset(f"data/maps/{HEAD}.nc")
-    aligned = refined["outcome"].values == Outcome.ALIGNED
+    dataset = results.dataset(f"data/{HEAD}.nc")
+    starts, every = dataset["start_outcome"][0, 0].size, results.study.maps.ensemble.every
+    aligned = dataset["outcome"].values[::every, ::every] == Outcome.ALIGNED
     if not aligned.any():
         return None
-    share = float((refined["reliable"].values[aligned] == 1).mean())
-    ensemble = results.study.maps.ensemble
-    starts = ensemble.phases * len(ensemble.tilts)
+    share = float((dataset["reliable"].values[aligned] == 1).mean())
     sentence = (
         f"Phase of the vibration and tilt at touch-down cannot be controlled. {percent(share)} of "
         f"the area that aligns in {figure_title(HEAD)} aligns from each of {starts} such starts: "

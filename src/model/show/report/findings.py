@@ -43,7 +43,7 @@ def vibration(results: Results) -> Section:
          ">tilt, median", ">largest", ">corners inside", ">lift off"),
         [_shares(name, dataset) for name, dataset in own.items()],
     )  # fmt: skip
-    added = results.picture("figures/maps/fig13_vibration", VIBRATION_CAPTION)
+    added = results.picture("figures/fig13_vibration", VIBRATION_CAPTION)
     content = {"added": added, "shares": shares}
     template = _FOLDER / "findings.vibration.html.j2"
     return Section("vibration", "What vibration adds", template, content)

@@ -1,7 +1,7 @@
 """Assess a device: success from every start and on other bases, and leeways of its parameters.
 
 Phase and tilt at touch-down cannot be controlled: a *reliable* device succeeds from every start
-(maps/starts.py). Success is to align in the alignment scene, and to go in in the insertion scene.
+(starts.py). Success is to align in the alignment scene, and to go in in the insertion scene.
 Where the base is not stated, bases of several stiffnesses are tried, each with a low and a high
 coefficient of restitution.
 """
@@ -22,7 +22,7 @@ from model.study.assessment.leeways import Leeway, Nearest, leeways, nearest
 from model.study.config import Ensemble
 from model.study.devices import StatedDevice
 from model.study.devices.batches import Values
-from model.study.maps.starts import Starts, every_start, starts_of
+from model.study.starts import Starts, every_start, starts_of
 
 DECADES = (1e2, 1e3, 1e4, 1e5, 1e6)  # contact stiffness over axial stiffness
 RESTITUTIONS = (0.3, 0.8)  # tried where no impact is stated

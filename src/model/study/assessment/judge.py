@@ -1,7 +1,7 @@
 """The judge of all commands: does a device go in (or align) from every start?
 
 Phase and tilt at touch-down cannot be controlled: a *reliable* device goes in from every start
-(maps/starts.py). A device is dimensionless, or as its file states it; its values are then in SI
+(starts.py). A device is dimensionless, or as its file states it; its values are then in SI
 units, and change as ``--set`` changes them.
 """
 
@@ -19,7 +19,7 @@ from model.study.config import load_study, study_path
 from model.study.devices import StatedDevice
 from model.study.devices.batches import Values, by_settings, devices_of, rows_of
 from model.study.devices.stated import QUANTITIES
-from model.study.maps.starts import Starts, every_start, starts_of
+from model.study.starts import Starts, every_start, starts_of
 
 Floats = NDArray[np.float64]
 STATISTICAL_TOLERANCE = 1e-6  # local error of a step; yields are the same as at 1e-10

@@ -17,7 +17,7 @@ from model.physics.parameters import FIELDS
 from model.runs.settings import Settings
 from model.study.assessment.judge import DeviceResults, Floats, run_devices
 from model.study.devices import StatedDevice, Tolerance
-from model.study.maps.starts import Starts
+from model.study.starts import Starts
 
 CONFIDENCE = 0.95
 QUANTILES = (0.05, 0.5, 0.95)

@@ -48,12 +48,6 @@ def _falling(values: list[float]) -> list[float]:
     return values
 
 
-def _power_of_two(value: int) -> int:
-    if value & (value - 1):
-        raise ValueError("must be a power of two: cells are halved")
-    return value
-
-
 class Strict(BaseModel):
     """A section that refuses unknown keys and values of another type."""
 
@@ -65,23 +59,6 @@ ParameterValues = Annotated[dict[str, float], AfterValidator(parameter_names)]
 Tolerance = Annotated[float, Field(ge=1e-14, le=1e-2)]
 Text = Annotated[str, Field(min_length=1)]
 Falling = Annotated[list[float], Field(min_length=1), AfterValidator(_falling)]
-PowerOfTwo = Annotated[int, AfterValidator(_power_of_two)]
-
-
-class Span(Strict):
-    """A range of one parameter."""
-
-    parameter: ParameterName
-    """Name of the parameter."""
-    start: float
-    """Lower end of the range."""
-    stop: float
-    """Upper end of the range, above ``start``."""
-
-    @model_validator(mode="after")
-    def _is_a_range(self) -> "Span":
-        check_rising(("start", self.start), ("stop", self.stop))
-        return self
 
 
 class LogRange(Strict):
@@ -98,11 +75,22 @@ class LogRange(Strict):
         return self
 
 
-class Axis(Span):
+class Axis(Strict):
     """Equidistant values of one parameter, both ends included."""
 
+    parameter: ParameterName
+    """Name of the parameter."""
+    start: float
+    """Lower end of the range."""
+    stop: float
+    """Upper end of the range, above ``start``."""
     count: int = Field(ge=2)
     """Number of values, both ends included."""
+
+    @model_validator(mode="after")
+    def _is_a_range(self) -> "Axis":
+        check_rising(("start", self.start), ("stop", self.stop))
+        return self
 
     @property
     def values(self) -> list[float]:
@@ -126,7 +114,7 @@ class Family(Strict):
         return self
 
 
-def check_plane(at: Callable[[dict[str, float]], object], x: Span, y: Span) -> None:
+def check_plane(at: Callable[[dict[str, float]], object], x: Axis, y: Axis) -> None:
     """Refuse a map over one parameter twice, or a map whose corners break a rule.
 
     ``at`` raises a ValueError for values, by name, that break a rule.

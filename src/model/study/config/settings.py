@@ -1,7 +1,7 @@
-"""Settings of runs, as the configuration and plans state them."""
+"""Settings and starts of runs, as the configuration and plans state them."""
 
 from dataclasses import asdict
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
@@ -53,3 +53,14 @@ class RunSettings(Strict):
             readings = getattr(Variants, self.readings)()
         stated = {name: getattr(self, name) for name in type(self).model_fields}
         return Settings(**stated | {"readings": readings, "scene": SCENES[self.scene]})
+
+
+class Ensemble(Strict):
+    """Initial conditions from all of which a reliable part aligns; see study/starts.py."""
+
+    phases: int = Field(ge=1)
+    """Number of equidistant phases of the excitation at touch-down."""
+    tilts: list[Annotated[float, Field(gt=0.0)]] = Field(min_length=1)
+    """Initial tilts, in units of the device's ``initial_tilt``."""
+    every: int = Field(ge=1)
+    """In a map they are tried at every so many nodes along both axes."""

@@ -17,7 +17,8 @@ from model.study.config.base import Axis, Family, Plan
 from model.study.config.identification import Grid, Problem
 from model.study.config.runs import ClaimRun
 from model.study.config.settings import RunSettings
-from model.study.sweep import TRACK_QUANTITIES, Sweep, sweep_of
+from model.study.plans import sweep_of
+from model.study.sweep import TRACK_QUANTITIES, Sweep
 
 if TYPE_CHECKING:
     from model.study.config.study import Study
@@ -97,13 +98,13 @@ class Space(Plan):
         return np.clip(np.log(given / low) / np.log(high / low), 0.0, 1.0)
 
     def grid(self, name: str) -> Grid:
-        """Return a grid by its name; "own" is the study's, with every second value of a map."""
+        """Return a grid by its name; "own" is the study's, with every third value of a map."""
         if name != "own":
             return self.problem.grids[name]
         counts = {}
         for each, dimensions in self.dimensions.items():
             axes = [axis for axis in dimensions if isinstance(axis, Axis)]
-            counts[each] = axes[0].count // len(axes) if axes else 1
+            counts[each] = axes[0].count // (3 if len(axes) == 2 else 1) if axes else 1
         return Grid(counts=counts, horizon=self.settings.horizon, tolerance=1e-8)
 
     def of_figure(self, figure: str, grid: Grid) -> tuple[str, ...]:
