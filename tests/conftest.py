@@ -16,17 +16,9 @@ import yaml
 
 from model import Batch, Parameters, Variants, align, simulate
 from model.physics.parameters import Constants
-from model.study.config import (
-    Curves,
-    Family,
-    Map,
-    Study,
-    baseline,
-    check_study,
-    read_study,
-    study_path,
-)
-from model.study.io import write_dataset
+from model.study.config import Curves, Map, Study, baseline, check_study, read_study, study_path
+from model.sweeps.axes import Family
+from model.sweeps.io import write_dataset
 from model.tracking.invocation import Invocation
 from model.tracking.job import INVOCATION, write_sidecar
 
@@ -132,7 +124,7 @@ def small_study(fixed_study: Study) -> Callable[[int, int], Study]:
 @pytest.fixture
 def _no_leeways(monkeypatch: pytest.MonkeyPatch) -> None:
     """Leave out the leeways, or nearest reliable values: most runs of an assessment."""
-    module = importlib.import_module("model.study.assessment.assess")  # not the function
+    module = importlib.import_module("model.device.assess")  # not the function
     for name in ("leeways", "nearest"):
         monkeypatch.setattr(module, name, lambda *_: ())
 

@@ -23,8 +23,8 @@ from model.study.config import (
     read_study,
     study_path,
 )
-from model.study.files import write_json, write_text
-from model.study.io import write_dataset
+from model.sweeps.files import write_json, write_text
+from model.sweeps.io import write_dataset
 
 COMMAND = [sys.executable, "-m", "model.cli.main"]
 PEG = str(study_path().parents[1] / "docs" / "peg.yaml")
@@ -167,7 +167,7 @@ def _nothing_runs(monkeypatch):
 
     monkeypatch.setattr("model.cli.simulate.simulate", forbidden)
     for name in ("align", "run_once"):
-        monkeypatch.setattr(f"model.study.sweep.{name}", forbidden)
+        monkeypatch.setattr(f"model.sweeps.sweep.{name}", forbidden)
 
 
 @pytest.mark.usefixtures("_nothing_runs")

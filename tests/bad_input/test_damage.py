@@ -14,14 +14,14 @@ import xarray as xr
 
 from model import Settings
 from model.compile import jit
+from model.device import DeviceError, load_device
+from model.device.design import Design, Search
+from model.device.design_files import design_dataset, known_in
+from model.device.design_judges import Judges
 from model.runs import in_browser
 from model.study.claims.ledger import read_ledger
 from model.study.csv_tables import TableError
-from model.study.design import Design, Search
-from model.study.design_files import design_dataset, known_in
-from model.study.design_judges import Judges
-from model.study.devices import DeviceError, load_device
-from model.study.io import DatasetError, read_dataset, write_dataset
+from model.sweeps.io import DatasetError, read_dataset, write_dataset
 from model.tracking import TrackingError, code
 from model.tracking.compare import changed_verdicts
 from model.tracking.history import discard_damaged, load_history

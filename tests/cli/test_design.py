@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 from model.cli import main as cli
-from model.study import design_judges
+from model.device import design_judges
 
 PEG = Path(__file__).parents[2] / "docs" / "peg.yaml"
 QUICK = ["--generations", "1", "--population", "5", "--devices", "64"]

@@ -8,13 +8,13 @@ import numpy as np
 import xarray as xr
 
 from model.cli import main as cli
+from model.device import load_device
 from model.events.insertion import INSERTION
 from model.events.outcomes import Outcome
 from model.runs.settings import Settings
 from model.runs.simulate import simulate
-from model.study import sweep
 from model.study.config import baseline
-from model.study.devices import load_device
+from model.sweeps import sweep
 
 PLANE = ["--x", "tilt_stiffness", "6", "20", "--y", "press_force", "1", "5"]
 SMALL = ["--resolution", "5", "--horizon", "30", "--tolerance", "1e-7"]

@@ -8,9 +8,9 @@ import pytest
 from matplotlib.image import imsave
 
 from model.cli import main as cli
-from model.study.io import read_dataset, write_dataset
 from model.study.plans import sweep_of
-from model.study.sweep import merge, run
+from model.sweeps.io import read_dataset, write_dataset
+from model.sweeps.sweep import merge, run
 
 
 @pytest.fixture

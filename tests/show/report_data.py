@@ -14,9 +14,9 @@ from model.show.report import page as report_page
 from model.show.report.section import Results
 from model.study.claims import judge
 from model.study.claims.ledger import ledger_text, lines_of
-from model.study.io import write_dataset
 from model.study.plans import sweep_of
-from model.study.sweep import merge, run
+from model.sweeps.io import write_dataset
+from model.sweeps.sweep import merge, run
 from tests.show.drawn import jamming_data
 
 # The smallest picture there is: one transparent pixel.

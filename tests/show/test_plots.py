@@ -12,7 +12,7 @@ from model.show.history import force_before, history, trajectory
 from model.show.style import cell_edges
 from model.study.config import Curves
 from model.study.plans import sweep_of
-from model.study.sweep import merge, run
+from model.sweeps.sweep import merge, run
 from tests.show.drawn import NAN, curve_lines, named
 
 # --- Fig. 5 -------------------------------------------------------------------------------------

@@ -24,8 +24,8 @@ from model.show.report.section import Results, subscripts
 from model.show.words import figure_title, percent, short
 from model.study.claims import tally
 from model.study.config import FIGURES
-from model.study.io import write_dataset
 from model.study.jamming import entered, jammed, wedging_side
+from model.sweeps.io import write_dataset
 from tests.show.drawn import jamming_data
 from tests.show.report_data import PIXEL, Page, article, plain, render_report
 

@@ -15,7 +15,7 @@ from model.study.claims.ledger import judge_claim, ledger_text, lines_of, read_l
 from model.study.claims.measures import explained, trend
 from model.study.config import FIGURES, load_study, study_path
 from model.study.plans import sweep_of
-from model.study.sweep import TRACK_QUANTITIES, merge, run
+from model.sweeps.sweep import TRACK_QUANTITIES, merge, run
 from tests.study.claims_data import (
     CASES,
     NAN,

@@ -18,7 +18,7 @@ from model.study.jamming import (
     wedging_side,
 )
 from model.study.plans import sweep_of
-from model.study.sweep import merge, run
+from model.sweeps.sweep import merge, run
 from tests.show.drawn import jamming_data
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from model.study.io import write_dataset
+from model.sweeps.io import write_dataset
 from model.tracking import TrackingError, invocation
 from model.tracking.compare import change_of, common_points
 from model.tracking.diff import Comparison, compare, snapshot

@@ -41,10 +41,10 @@ EDITS = [
      {*METHODS, "explorer"}),
     ("src/model/study/config/accuracy.py", *EDIT, {"explorer", *LAST}),
     ("src/model/study/config/runs.py", *EDIT, {"explorer", *LAST}),
-    ("src/model/study/config/settings.py", *EDIT, COMPUTED),
-    ("src/model/study/files.py", "0o666", "0o660", EVERYTHING),
-    ("src/model/study/io.py", '"complevel": 4', '"complevel": 5', COMPUTED - COMPARED),
-    ("src/model/study/sweep.py", "_STATIC = 1.0", "_STATIC = 2.0",
+    ("src/model/sweeps/settings.py", *EDIT, COMPUTED),
+    ("src/model/sweeps/files.py", "0o666", "0o660", EVERYTHING),
+    ("src/model/sweeps/io.py", '"complevel": 4', '"complevel": 5', COMPUTED - COMPARED),
+    ("src/model/sweeps/sweep.py", "_STATIC = 1.0", "_STATIC = 2.0",
      COMPUTED - COMPARED),
     ("src/model/study/claims/claims.yaml", "least: 0.8", "least: 0.7", JUDGED),
     # What is shown
@@ -63,7 +63,7 @@ EDITS = [
 # On which no job depends: a docstring, what records the jobs, commands, what has rules of its own.
 OF_NO_JOB = [
     ("src/model/physics/forces.py", "-f0, the initial", "Other words, the initial"),
-    ("src/model/study/assessment/leeways.py", *EDIT),
+    ("src/model/device/leeways.py", *EDIT),
     ("src/model/tracking/job.py", *EDIT),
     ("src/model/cli/main.py", *EDIT),
     ("verification/accuracy.py", "TIGHT = 1e-13", "TIGHT = 1e-12"),

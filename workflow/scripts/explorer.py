@@ -6,7 +6,7 @@ from model.runs.in_browser import modules
 from model.show.explorer.content import study_model
 from model.show.explorer.page import build_page
 from model.study.config.study import Study
-from model.study.files import write_text
+from model.sweeps.files import write_text
 from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake):

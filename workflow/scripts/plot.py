@@ -4,7 +4,7 @@ from pathlib import Path
 
 from model.show.plots import DRAWINGS
 from model.show.style import save
-from model.study.io import read_dataset
+from model.sweeps.io import read_dataset
 from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake):

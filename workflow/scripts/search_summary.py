@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from model.study.files import write_text
 from model.study.identification.space import Space
 from model.study.identification.tables import summary_texts
+from model.sweeps.files import write_text
 from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake):

@@ -20,13 +20,13 @@ from model.cli.assess import headline
 from model.cli.files import check_file, check_picture
 from model.cli.progress import ProgressLine
 from model.cli.tables import in_columns, print_json
+from model.device.stated import VIBRATION
 from model.physics.quantities import ANGLE, FORCE, TIME
 from model.show.assumptions import as_attribute, assumptions_with, lines_of
 from model.show.si import named_words, si_words
-from model.study.devices.stated import VIBRATION
 
 if TYPE_CHECKING:
-    from model.study.design import Design, OtherFriction, Search
+    from model.device.design import Design, OtherFriction, Search
 
 _MEASURES = {"time": TIME, "contact_force": FORCE, "tilt": ANGLE}
 _OTHER_FRICTIONS = (2.0 / 3.0, 4.0 / 3.0)  # factors of the stated friction
@@ -95,9 +95,9 @@ def _design(arguments: argparse.Namespace) -> int:
             line.begin("other frictions")
             others = _other_frictions(search, max(generations // 2, 1), population)
     if arguments.plot is not None:
+        from model.device.design_files import design_dataset  # noqa: PLC0415
         from model.show.curves import draw_front  # noqa: PLC0415
         from model.show.style import write  # noqa: PLC0415
-        from model.study.design_files import design_dataset  # noqa: PLC0415
 
         write(draw_front(design_dataset(search, design)), arguments.plot)
     if arguments.json:
@@ -109,10 +109,10 @@ def _design(arguments: argparse.Namespace) -> int:
 
 def _search(arguments: argparse.Namespace, given: Inputs, seed: int) -> "Search":
     """Return the search of a device, with what a former search has written to --out."""
-    from model.study.assessment.yields import check_devices  # noqa: PLC0415  (as below)
-    from model.study.design import Search  # noqa: PLC0415  (only this command)
-    from model.study.design_judges import Judges  # noqa: PLC0415
-    from model.study.starts import starts_of  # noqa: PLC0415
+    from model.device.design import Search  # noqa: PLC0415  (only this command)
+    from model.device.design_judges import Judges  # noqa: PLC0415
+    from model.device.yields import check_devices  # noqa: PLC0415  (as below)
+    from model.sweeps.starts import starts_of  # noqa: PLC0415
 
     assert given.stated is not None  # noqa: S101  (--device is given)
     devices = check_devices(number("devices", arguments.devices))
@@ -120,7 +120,7 @@ def _search(arguments: argparse.Namespace, given: Inputs, seed: int) -> "Search"
     cores = os.cpu_count() or 1
     search = Search(Judges(given.stated, starts, given.settings, cores, seed, devices))
     if arguments.out is not None and arguments.out.exists():
-        from model.study.design_files import known_in  # noqa: PLC0415
+        from model.device.design_files import known_in  # noqa: PLC0415
 
         search.known, search.checked = known_in(arguments.out, search)
     return search
@@ -128,7 +128,7 @@ def _search(arguments: argparse.Namespace, given: Inputs, seed: int) -> "Search"
 
 def _verdict(design: "Design", search: "Search", given: Inputs) -> str:
     """Return what ``assess`` says of the recommended setting."""
-    from model.study.assessment import assess  # noqa: PLC0415  (as in _search)
+    from model.device.assess import assess  # noqa: PLC0415  (as in _search)
 
     stated = search.stated.changed(**design.setting)
     ensemble = given.study.maps.ensemble
@@ -147,9 +147,9 @@ def _keep(
     """Write the settings tried so far, so that an interrupted search can be continued."""
     if path is None:
         return
-    from model.study.design import Design  # noqa: PLC0415
-    from model.study.design_files import design_dataset  # noqa: PLC0415
-    from model.study.io import write_dataset  # noqa: PLC0415
+    from model.device.design import Design  # noqa: PLC0415
+    from model.device.design_files import design_dataset  # noqa: PLC0415
+    from model.sweeps.io import write_dataset  # noqa: PLC0415
 
     design = design or Design(search.tried(), 0, search.stated.limits)
     attributes = {"assumptions": as_attribute(assumed)} if assumed else {}
@@ -157,7 +157,7 @@ def _keep(
 
 
 def _other_frictions(search: "Search", generations: int, population: int) -> "list[OtherFriction]":
-    from model.study.design import at_other_friction  # noqa: PLC0415
+    from model.device.design import at_other_friction  # noqa: PLC0415
 
     stated = search.stated.quantities["friction"]
     frictions = [stated * factor for factor in _OTHER_FRICTIONS]
@@ -175,7 +175,7 @@ def _count(name: str, text: str, least: int) -> int:
 def _report(
     design: "Design", search: "Search", verdict: str, others: "list[OtherFriction]"
 ) -> list[str]:
-    from model.study.design_judges import POINTS  # noqa: PLC0415  (as in _search)
+    from model.device.design_judges import POINTS  # noqa: PLC0415  (as in _search)
 
     tried, best = design.tried, design.best
     word = "recommended" if design.feasible else "nearest to it"
@@ -269,7 +269,7 @@ def _other_friction(other: "OtherFriction") -> str:
 
 
 def _record(design: "Design", search: "Search", others: "list[OtherFriction]") -> dict[str, Any]:
-    from model.study.assessment.yields import CONFIDENCE  # noqa: PLC0415  (as in _search)
+    from model.device.yields import CONFIDENCE  # noqa: PLC0415  (as in _search)
 
     tried, best = design.tried, design.best
     return {

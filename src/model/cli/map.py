@@ -19,18 +19,19 @@ from model.cli.arguments import (
 )
 from model.cli.files import check_file, check_picture, writing
 from model.cli.progress import ProgressLine
+from model.device.amounts import read_amount
+from model.device.stated import QUANTITIES, StatedDevice, unit_of
 from model.events.outcomes import SUCCESS_TEXT
 from model.physics.parameters import PARAMETER_NAMES, check_name
 from model.show.assumptions import as_attribute, assumptions, assumptions_with, at_corners, lines_of
-from model.study.config import Axis, RunSettings
-from model.study.devices.amounts import read_amount
-from model.study.devices.stated import QUANTITIES, StatedDevice, unit_of
+from model.sweeps.axes import Axis
+from model.sweeps.settings import RunSettings
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from model.study.config import Ensemble
-    from model.study.sweep import Sweep
+    from model.sweeps.settings import Ensemble
+    from model.sweeps.sweep import Sweep
 
 _NEEDED = ("netCDF4", "scipy", "xarray")
 _FINEST = 1025
@@ -76,8 +77,8 @@ def _map(arguments: argparse.Namespace) -> int:
     sweep, assumed = _sweep(arguments)
     announce_compilation()
     # Imported here: half a second that only this command needs.
-    from model.study.io import write_dataset  # noqa: PLC0415
-    from model.study.sweep import merge, run  # noqa: PLC0415
+    from model.sweeps.io import write_dataset  # noqa: PLC0415
+    from model.sweeps.sweep import merge, run  # noqa: PLC0415
 
     with ProgressLine() as line:
         line.begin("nodes and starts")
@@ -100,7 +101,7 @@ def _sweep(arguments: argparse.Namespace) -> tuple["Sweep", dict[str, str]]:
     given, count = read_inputs(arguments), _count(arguments.resolution)
     starts = given.study.maps.ensemble
     x, y = (_axis(f"--{s}", getattr(arguments, s), count, given.stated) for s in ("x", "y"))
-    from model.study.devices.maps import map_of  # noqa: PLC0415
+    from model.device.maps import map_of  # noqa: PLC0415
 
     device = given.stated or given.parameters
     sweep = map_of(device, RunSettings.of(given.settings), (x, y), starts)
@@ -125,7 +126,7 @@ def _count(text: str) -> int:
 
 def _axis(option: str, given: Sequence[str], count: int, stated: StatedDevice | None) -> Axis:
     """Return ``count`` values of a range; that of a ``stated`` device in SI or its own units."""
-    from model.study.devices.maps import QuantityAxis  # noqa: PLC0415  (as in _map)
+    from model.device.maps import QuantityAxis  # noqa: PLC0415  (as in _map)
 
     name, *ends = given
     check_name(name, PARAMETER_NAMES if stated is None else QUANTITIES, "parameter")
@@ -143,7 +144,7 @@ def _axis(option: str, given: Sequence[str], count: int, stated: StatedDevice | 
 
 
 def _report(dataset: "xr.Dataset") -> list[str]:
-    from model.study.vibration import ONLY_VIBRATED, added, success_of  # noqa: PLC0415  (as in _map)
+    from model.sweeps.vibration import ONLY_VIBRATED, added, success_of  # noqa: PLC0415  (as in _map)
 
     by_vibration = float((added(dataset) == ONLY_VIBRATED).mean())
     success = success_of(dataset)

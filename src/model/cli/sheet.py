@@ -5,16 +5,17 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from model.device import StatedDevice
+from model.device.maps import QuantityAxis, map_of
 from model.runs.settings import Settings
 from model.runs.simulate import simulate_once
 from model.show.assumptions import source_words
 from model.show.device_sheet import render
-from model.study.config import RunSettings, Study
-from model.study.devices import StatedDevice
-from model.study.devices.maps import QuantityAxis, map_of
-from model.study.files import write_text
-from model.study.sweep import merge, run
-from model.study.version import version
+from model.study.config import Study
+from model.sweeps.files import write_text
+from model.sweeps.settings import RunSettings
+from model.sweeps.sweep import merge, run
+from model.sweeps.version import version
 
 _AXES = ("tilt_stiffness", "press_force")  # of the map, where the file frees no two quantities
 _SPAN = 2.5  # an axis is value / _SPAN to value * _SPAN, where the file states no range

@@ -19,7 +19,7 @@ from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 from model.events.outcomes import Outcome
 from model.show import style
 from model.show.style import Bools, Floats
-from model.study.vibration import ONLY_VIBRATED, added, success_of
+from model.sweeps.vibration import ONLY_VIBRATED, added, success_of
 
 if TYPE_CHECKING:
     from model.study.plans import Mark

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 from model.study.config.figures import CURVES, HISTORIES, Curves, History, Plane, Schematic
 from model.study.config.study import Study
-from model.study.io import VARIABLES
-from model.study.sweep import TRACK_QUANTITIES, Sweep
+from model.sweeps.io import VARIABLES
+from model.sweeps.sweep import TRACK_QUANTITIES, Sweep
 
 _IN_THE_SLOT = (
     "outcome", "reason", "tau_align", "tilt_at_alignment", "sensitive", "rhs_evaluations",

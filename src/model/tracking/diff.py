@@ -252,7 +252,7 @@ def _changed_since_judged(state: Snapshot) -> list[str]:
 def _data_changes(first: Path, second: Path, not_compared: list[str]) -> list[Change]:
     if first.read_bytes() == second.read_bytes():
         return []
-    from model.study.io import read_dataset  # noqa: PLC0415  (xarray: a second)
+    from model.sweeps.io import read_dataset  # noqa: PLC0415  (xarray: a second)
 
     before, after = read_dataset(first), read_dataset(second)
     figure = str(after.attrs["figure"])

@@ -23,7 +23,7 @@ from pathlib import Path
 from typing import Any
 
 from model.study.csv_tables import csv_text
-from model.study.files import write_text
+from model.sweeps.files import write_text
 from model.tracking import TrackingError
 from model.tracking.job import file_hash, named
 from model.tracking.slurm import slurm_reasons

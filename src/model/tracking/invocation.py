@@ -19,7 +19,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from model.study.files import atomic_write, write_json
+from model.sweeps.files import atomic_write, write_json
 from model.tracking import TrackingError
 from model.tracking.history import (
     Record,

@@ -26,7 +26,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import IO, Any
 
-from model.study.files import write_json
+from model.sweeps.files import write_json
 from model.tracking import TrackingError
 from model.tracking.code import code_hash, code_of
 

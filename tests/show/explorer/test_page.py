@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from model.device import load_device
 from model.events.outcomes import OUTCOME_TEXT, Outcome, Reason, remedy
 from model.physics.parameters import FIELDS, PARAMETER_NAMES
 from model.runs.in_browser import Modules, interface
@@ -20,8 +21,7 @@ from model.show.explorer import page as module
 from model.show.explorer.content import device_model, study_model
 from model.show.explorer.page import SCRIPTS, build_page, run_page
 from model.study.config import MAPS, load_study, study_path
-from model.study.devices import load_device
-from model.study.io import write_dataset
+from model.sweeps.io import write_dataset
 
 STUDY = load_study(study_path())
 INTERFACE = interface()

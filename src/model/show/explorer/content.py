@@ -30,9 +30,9 @@ from model.show.assumptions import assumptions
 from model.show.explorer.page import packed
 from model.show.si import display, scale
 from model.show.words import figure_title, symbol_parts
-from model.study.config.base import Axis, Family
 from model.study.config.figures import CURVES, HISTORIES, MAPS, Curves, Map
 from model.study.config.study import Study
+from model.sweeps.axes import Axis, Family
 
 # Axes of the map where a preset states none.
 _DEFAULT_AXES: dict[str, Any] = {"x": "tilt_stiffness", "y": "press_force"}
@@ -303,8 +303,8 @@ def _figure(study: Study, name: str) -> dict[str, Any]:
 def _stored_map(study: Study, name: str, data: Path) -> dict[str, Any]:
     """Return a figure's map: durations in levels of equal ratio, and where it is reliable."""
     # Imported here: xarray, for the study only.
-    from model.study.io import read_dataset  # noqa: PLC0415
-    from model.study.sweep import START  # noqa: PLC0415
+    from model.sweeps.io import read_dataset  # noqa: PLC0415
+    from model.sweeps.sweep import START  # noqa: PLC0415
 
     spec, dataset = study.figures[name], read_dataset(data)
     assert isinstance(spec, Map)  # noqa: S101 - one of MAPS

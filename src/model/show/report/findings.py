@@ -18,7 +18,7 @@ from model.study.claims.ledger import read_ledger
 from model.study.claims.regime import regime_of
 from model.study.config.figures import COMPUTED
 from model.study.jamming import entered, in_jamming_diagram, jammed, wedging_side
-from model.study.vibration import overshoot_of
+from model.sweeps.vibration import overshoot_of
 
 VIBRATION_CAPTION = (
     "What vibration adds over tilt stiffness and pressing force. On the ticked side of the line "

@@ -21,7 +21,7 @@ import numpy as np
 from model.study.claims.comparisons import OF_CLAIM, Parts
 from model.study.claims.data import NAN, Array, Curve, Data, MissingDataError
 from model.study.claims.measures import OF_CURVE, OF_FIGURE, Number, View, median
-from model.study.files import parse_yaml
+from model.sweeps.files import parse_yaml
 
 Check = Callable[[Data, Sequence[str]], Parts]
 EVERY_FIGURE = tuple(f"fig{number:02}" for number in range(5, 15))

@@ -7,8 +7,9 @@ from typing import Annotated, Literal
 
 from pydantic import Discriminator, Field, model_validator
 
-from model.study.config.base import Axis, Family, ParameterValues, Strict, Text
-from model.study.config.settings import Ensemble
+from model.study.config.base import ParameterValues, Text
+from model.sweeps.axes import Axis, Family, Strict
+from model.sweeps.settings import Ensemble
 
 SCHEMATICS = ("fig01", "fig02", "fig03", "fig04")
 HISTORIES = ("fig05",)
@@ -87,7 +88,7 @@ KIND = (
 class Maps(Strict):
     """Stability maps that are no figures of the paper, and the starts that all maps try."""
 
-    ensemble: Ensemble
+    ensemble: Ensemble = Ensemble()
     """Initial conditions of the test for reliable alignment."""
     planes: dict[str, Plane]
     """Maps that are not in the paper, by name."""

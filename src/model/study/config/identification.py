@@ -4,7 +4,8 @@ from typing import Annotated
 
 from pydantic import Field
 
-from model.study.config.base import LogRange, Strict, Text, Tolerance
+from model.study.config.base import LogRange, Text
+from model.sweeps.axes import Strict, Tolerance
 
 
 class Grid(Strict):

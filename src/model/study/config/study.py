@@ -4,12 +4,13 @@ from pydantic import model_validator
 
 from model.physics.parameters import Parameters, check_name
 from model.study.config.accuracy import Accuracy
-from model.study.config.base import ParameterValues, Strict, Text
+from model.study.config.base import ParameterValues, Text
 from model.study.config.figures import FIGURES, FigureSpec, Maps, Plane
 from model.study.config.identification import Identification
 from model.study.config.methods import HardCases, Precision
 from model.study.config.runs import ClaimRun, Jamming
-from model.study.config.settings import RunSettings
+from model.sweeps.axes import Strict
+from model.sweeps.settings import RunSettings
 
 
 class Study(Strict):

@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from model.events.outcomes import Outcome
 from model.physics.parameters import FIELDS, Batch
@@ -23,9 +24,8 @@ from model.study.claims.data import Data
 from model.study.claims.ledger import Judgement, judge_claim
 from model.study.claims.regime import regime_of
 from model.study.config.identification import Aims, Grid, Problem
-from model.study.devices.batches import rows_of
 from model.study.identification.space import REST_HORIZON, REST_TOLERANCE, TRACKED, Array, Space
-from model.study.sweep import Columns, Sweep, dataset_of, merge, run
+from model.sweeps.sweep import Columns, Sweep, dataset_of, merge, run
 
 SAFE = 0.03  # margin from which a claim counts as shown; less may be lost on another grid
 TOWARDS = 0.25  # of a claim, for the distance to what is claimed, so that the search sees a slope
@@ -125,7 +125,7 @@ def _columns(sweeps: Sequence[Sweep], figures: Sequence[str]) -> list[Columns]:
     together = Batch({n: np.concatenate([each.values[n] for each in batches]) for n in FIELDS})
     # In a drawn order the long runs do not come together, and few lanes idle at the end.
     order = np.random.default_rng(0).permutation(len(together))
-    found = run_once(rows_of(together, order), settings)
+    found = run_once(_rows(together, order), settings)
     back = np.argsort(order)
     columns = {name: found[name][back] for name in found}
     columns["sensitive"] = np.zeros(len(together))
@@ -135,13 +135,18 @@ def _columns(sweeps: Sequence[Sweep], figures: Sequence[str]) -> list[Columns]:
     columns["unvibrated_tilt"] = np.full(len(together), math.nan)
     if needed.size:
         still = replace(settings, horizon=REST_HORIZON, tolerance=REST_TOLERANCE)
-        rest = unvibrated(rows_of(together, needed), still)
+        rest = unvibrated(_rows(together, needed), still)
         columns["unvibrated"][needed] = rest.outcome
         columns["unvibrated_tilt"][needed] = rest.tilt
     parts = {name: np.split(column, ends[:-1]) for name, column in columns.items()}
     return [
         {name: parts[name][row] for name in sweep.variables} for row, sweep in enumerate(sweeps)
     ]
+
+
+def _rows(batch: Batch, rows: NDArray[np.int64]) -> Batch:
+    """Return the parameter sets in some rows of a batch."""
+    return Batch({name: column[rows] for name, column in batch.values.items()})
 
 
 # --- Judgement of a figure alone ------------------------------------------------------------------

@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model.engines.results import RESULTS
-from model.study.config.base import Axis, Family, Plan
 from model.study.config.identification import Grid, Problem
 from model.study.config.runs import ClaimRun
-from model.study.config.settings import RunSettings
 from model.study.plans import sweep_of
-from model.study.sweep import TRACK_QUANTITIES, Sweep
+from model.sweeps.axes import Axis, Family, Plan
+from model.sweeps.settings import RunSettings
+from model.sweeps.sweep import TRACK_QUANTITIES, Sweep
 
 if TYPE_CHECKING:
     from model.study.config.study import Study
