@@ -11,11 +11,10 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from model import Parameters, Settings
+from model import Parameters
 from model.device import load_device
-from model.device.design import Design, Search
+from model.device.design import Design, tried_of
 from model.device.design_files import design_dataset
-from model.device.design_judges import Judges
 from model.device.maps import QuantityAxis, map_of
 from model.study.config import Study
 from model.study.plans import sweep_of
@@ -76,9 +75,10 @@ def swept(study: Study, name: str) -> xr.Dataset:
 
 
 def design() -> xr.Dataset:
-    search = Search(Judges(load_device(PEG), [], Settings()))
-    search.known |= {(force, 0.3): (1.0, 2.0, 0.1, 20.0, 0.1, np.nan) for force in (8.0, 9.0)}
-    return design_dataset(search, Design(search.tried(), 0, {}))
+    stated = load_device(PEG)
+    settings = [(force, 0.3) for force in (8.0, 9.0)]
+    tried = tried_of(settings, [(1.0, 2.0, 0.1, 20.0, 0.1, np.nan)] * 2, stated.free)
+    return design_dataset(stated, Design(tried, 0, {}, {}))
 
 
 @pytest.fixture(scope="module")

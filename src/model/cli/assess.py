@@ -33,7 +33,7 @@ from model.show.assumptions import assumptions, lines_of, source_words
 if TYPE_CHECKING:
     from model.device import StatedDevice
     from model.device.assess import Assessment, BaseVerdict
-    from model.device.design_judges import Thorough
+    from model.device.design_trials import Check
     from model.device.leeways import Leeway, Nearest
     from model.device.yields import FailingDevice, Yield
     from model.runs.settings import Settings
@@ -126,7 +126,7 @@ def _assess(arguments: argparse.Namespace) -> int:
     return int(not met)
 
 
-def headline(result: "Assessment", drawn: "Yield | Thorough | None") -> str:
+def headline(result: "Assessment", drawn: "Yield | Check | None") -> str:
     """Return the verdict on a device at its stated values, and within its tolerances."""
     words = f"{'' if result.reliable else 'not '}reliable at the stated values"
     if result.depends_on_base:
@@ -136,7 +136,7 @@ def headline(result: "Assessment", drawn: "Yield | Thorough | None") -> str:
     return f"{words}; yield {_yield_words(drawn)} under the tolerances"
 
 
-def _yield_words(drawn: "Yield | Thorough") -> str:
+def _yield_words(drawn: "Yield | Check") -> str:
     """Return the share of drawn devices that go in, its interval and its level of confidence."""
     from model.device.yields import CONFIDENCE, interval  # noqa: PLC0415  (scipy)
 

@@ -1,20 +1,17 @@
 """Design: choose the free quantities of a device within their ranges and limits.
 
-A *setting* gives each free quantity a value, with the digits that are printed. It is judged by
-devices within the tolerances around it (design_judges.py). Its *yield* is the share of devices that
+A *setting* gives each free quantity a value, with the digits that are printed. It is tried by
+devices within the tolerances around it (design_trials.py). Its *yield* is the share of devices that
 go in from every start. Its *margin* is the distance, in tolerances, of the nearest failing device
 on ``POINTS`` lines from the setting, at most ``FARTHEST``. The best setting has the largest yield,
 keeps the limits, has the largest margin in steps of ``MARGIN_STEP``, and is then the fastest.
-Differential evolution (scipy) seeks it by the quick judge. The thorough one confirms it, or sends
-the search on. The search is seeded and its results are kept: run again after an interruption, it
-repeats its steps without computing the results that it has.
+Differential evolution (scipy) seeks it by quick trials. The best settings are then checked as
+``assess`` does, until one holds. The search is seeded.
 """
 
-import hashlib
-import json
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass, field, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -22,16 +19,17 @@ from numpy.typing import NDArray
 from scipy import optimize, stats
 
 from model.device import StatedDevice, Tolerance
-from model.device.design_judges import HALVINGS, MEASURES, POINTS, QUARTERS, Judges, Row, Thorough
+from model.device.design_trials import MEASURES, Check, Row, Trials
 from model.device.reliability import Floats
 from model.device.yields import interval
 
 MARGIN_STEP = 0.25
 DIGITS = 4  # of the values of a setting, as they are printed
-ROUNDS, CHECKS = 3, 8  # times that the search goes on, and settings judged thoroughly each time
-FEW = 256  # devices for a setting that is not recommended
+CHECKS = 24  # most settings that are checked
 ASSUMED = Tolerance("uniform", 0.1, relative=True)  # for a device that states no tolerance
 ASSUMED_OF = ("press_force", "tilt_stiffness", "frequency", "friction", "misalignment", "clearance")
+_GROWING = slice(2, 5)  # time, force and tilt in the results of a setting
+NEARBY = 0.2  # of the ranges: settings that near a failure are checked last
 NEAR = 0.05  # share of a limit or range within which it binds
 
 Setting = tuple[float, ...]
@@ -87,23 +85,22 @@ class Design:
     """Result of a search.
 
     Attributes:
-        tried: every setting, in the order in which they were computed.
+        tried: every setting, in the order in which they were computed; a check's results stand in
+            place of those of the quick trial.
         best: number of the recommended setting.
         limits: limits of the search.
-        thorough: results of the recommended setting by the thorough judge, None before it is asked.
-        judged: number of settings that the thorough judge was asked for.
+        checks: results of the settings that were checked, by their numbers.
     """
 
     tried: Tried
     best: int
     limits: Mapping[str, float]
-    thorough: Thorough | None = None
-    judged: int = 0
+    checks: Mapping[int, Check]
 
     @property
-    def key(self) -> Setting:
-        """Values of the recommended setting."""
-        return tuple(self.setting.values())
+    def check(self) -> Check | None:
+        """Check of the recommended setting, None if it was not checked."""
+        return self.checks.get(self.best)
 
     @property
     def setting(self) -> dict[str, float]:
@@ -118,9 +115,9 @@ class Design:
     @property
     def interval(self) -> tuple[float, float]:
         """Interval of the yield, of 95 % confidence; (0, 1) if no device was drawn."""
-        if self.thorough is None or not self.thorough.devices:
+        if self.check is None or not self.check.devices:
             return 0.0, 1.0
-        return interval(self.thorough.going_in, self.thorough.devices)
+        return interval(self.check.going_in, self.check.devices)
 
     @property
     def front(self) -> NDArray[np.int64]:
@@ -159,175 +156,129 @@ class Design:
         return least
 
 
-@dataclass
-class Search:
-    """A search that can be continued after an interruption.
+def with_tolerances(stated: StatedDevice) -> StatedDevice:
+    """Return a device with ``ASSUMED`` tolerances if it states none.
 
-    Attributes:
-        judges: judges of its settings; their seed is also that of the optimiser.
-        known: results of the quick judge by setting.
-        checked: results of the thorough judge by setting.
-        settled: results in ``checked`` that this run of the search has reached; it uses them in
-            place of the quick judge's.
-        lessons: devices that failed at settled settings, as offsets in tolerances.
-        refused: settings at which a lesson fails.
-        chosen: the setting that the thorough judge has confirmed, or None.
-        tolerances_assumed: True if the device states none.
+    Raises:
+        ValueError: nothing is free.
     """
-
-    judges: Judges
-    known: dict[Setting, Row] = field(default_factory=dict)
-    checked: dict[Setting, Thorough] = field(default_factory=dict)
-    settled: dict[Setting, Thorough] = field(default_factory=dict)
-    lessons: list[Row] = field(default_factory=list)
-    refused: set[Setting] = field(default_factory=set)
-    chosen: Setting | None = None
-    tolerances_assumed: bool = False
-
-    def __post_init__(self) -> None:
-        if not self.stated.free:
-            raise ValueError(
-                f"{self.stated.source}: nothing is free; state, for example, "
-                "free: {press_force: 5 to 20 N}"
-            )
-        if not self.stated.tolerances:
-            assumed = {n: ASSUMED for n in ASSUMED_OF if n in self.stated.quantities}
-            stated = replace(self.stated, tolerances=assumed)
-            self.judges, self.tolerances_assumed = replace(self.judges, stated=stated), True
-
-    @property
-    def stated(self) -> StatedDevice:
-        """The device, with free quantities and tolerances."""
-        return self.judges.stated
-
-    @property
-    def identity(self) -> str:
-        """Hash of everything that determines the results."""
-        judges, run = self.judges, self.judges.settings
-        whole = asdict(replace(self.stated, source=None, changes={}))  # type: ignore[arg-type]
-        whole |= {"starts": list(judges.starts), "seed": judges.seed, "devices": judges.devices}
-        whole |= {"points": (POINTS, HALVINGS, QUARTERS, DIGITS)}
-        whole |= {"run": (run.scene.name, run.insertion_depth, run.tolerance, run.horizon)}
-        whole |= {"start": run.start}
-        text = json.dumps(whole, sort_keys=True, default=str)
-        return hashlib.sha256(text.encode()).hexdigest()[:16]
-
-    def run(
-        self, generations: int, population: int, after: Callable[[int], None] = lambda _: None
-    ) -> Design:
-        """Search and return the design; call ``after`` with the number of every generation.
-
-        The best setting is judged thoroughly. If it does not hold, the next best at which no lesson
-        fails is judged. After ``CHECKS`` such settings the search goes on from the best found so
-        far, ``ROUNDS`` times at most.
-        """
-        low, high = np.array(list(self.stated.free.values())).T
-        rng = np.random.default_rng(self.judges.seed)
-        first = stats.qmc.LatinHypercube(len(low), rng=rng).random(population)
-        first, done = low + first * (high - low), 0
-        self.settled, self.lessons, self.refused, self.chosen = {}, [], set(), None
-
-        def score(points: Floats) -> Floats:
-            return self.judge(np.atleast_2d(points.T)).score(self.stated.limits)
-
-        def report(intermediate_result: Any) -> None:  # noqa: ARG001 - by its name, for scipy
-            nonlocal done
-            done += 1
-            after(done)
-
-        for number in range(ROUNDS):
-            optimize.differential_evolution(
-                score,
-                list(self.stated.free.values()),
-                init=first,
-                maxiter=generations,
-                rng=np.random.default_rng(self.judges.seed + number),
-                vectorized=True,
-                updating="deferred",
-                polish=False,
-                tol=0.0,
-                callback=report,
-            )
-            if self._confirm():
-                break
-            order = np.argsort(self.tried().score(self.stated.limits), kind="stable")
-            first = np.array(list(self.known))[order[:population]]
-        best = self.best()
-        self.check(best.key, FEW)
-        return self._design(best.best)
-
-    def _confirm(self) -> bool:
-        """Judge the best settings thoroughly until one holds; return whether the search is over.
-
-        It is also over if the quick judge accepts no setting, and none was judged thoroughly.
-        """
-        for _ in range(CHECKS):
-            while (best := self.best()).feasible and not self._survive([best.key])[0]:
-                pass
-            if not best.feasible:
-                return not self.settled
-            self.lessons += self.check(best.key).lessons
-            if self._results([best.key]).keeps(self.stated.limits)[0]:
-                self.chosen = best.key
-                return True
-        return False
-
-    def best(self) -> Design:
-        """Return the design by all settings that were tried so far."""
-        if self.chosen is not None:
-            return self._design(list(self.known).index(self.chosen))
-        return self._design(int(np.argmin(self.tried().score(self.stated.limits))))
-
-    def _design(self, best: int) -> Design:
-        thorough = self.settled.get(list(self.known)[best])
-        return Design(self.tried(), best, self.stated.limits, thorough, len(self.settled))
-
-    def judge(self, points: Floats) -> Tried:
-        """Return the results of settings, shape (n, free quantities); run those not known."""
-        ends = list(self.stated.free.values())
-        keys = [
-            tuple(as_printed(value, *end) for value, end in zip(row, ends, strict=True))
-            for row in points.tolist()
-        ]
-        new = [key for key in dict.fromkeys(keys) if key not in self.known]
-        if new:
-            self.known |= dict(zip(new, self.judges.quick(np.array(new)), strict=True))
-            self._survive(new)
-        return self._results(keys)
-
-    def _survive(self, keys: list[Setting]) -> list[bool]:
-        """Return at which settings no lesson fails; refuse the others."""
-        survive = self.judges.survive(np.array(keys), self.lessons).tolist()
-        self.refused |= {key for key, good in zip(keys, survive, strict=True) if not good}
-        return survive
-
-    def check(self, key: Setting, least: int = 0) -> Thorough:
-        """Return the results of a setting by the thorough judge, and use them from now on.
-
-        Once the setting does not hold, no more than ``least`` devices are run.
-        """
-        found = self.checked.get(key)
-        if found is None or found.devices < min(least, self.judges.devices):
-            setting = dict(zip(self.stated.free, key, strict=True))
-            found = self.checked[key] = self.judges.thorough(setting, least)
-        self.settled[key] = found
-        return found
-
-    def tried(self) -> Tried:
-        """Return the results of every setting so far."""
-        return self._results(list(self.known))
-
-    def _results(self, keys: list[Setting]) -> Tried:
-        rows = [self.settled[k].row if k in self.settled else self.known[k] for k in keys]
-        columns, settings = np.array(rows).T, np.array(keys).T
-        fails = [key in self.refused and key not in self.settled for key in keys]
-        columns[0][fails] = np.minimum(columns[0][fails], 1.0 - 1.0 / (1.0 + POINTS))
-        return Tried(
-            dict(zip(self.stated.free, settings, strict=True)),
-            columns[0],
-            columns[1],
-            dict(zip(MEASURES, columns[2:], strict=True)),
+    if not stated.free:
+        raise ValueError(
+            f"{stated.source}: nothing is free; state, for example, "
+            "free: {press_force: 5 to 20 N}"
         )
+    if stated.tolerances:
+        return stated
+    return replace(stated, tolerances={n: ASSUMED for n in ASSUMED_OF if n in stated.quantities})
+
+
+def search(
+    trials: Trials,
+    generations: int,
+    population: int,
+    after: Callable[[int, int], None] = lambda *_: None,
+) -> Design:
+    """Search for the best setting of a device.
+
+    Args:
+        trials: trials of its settings; their seed is also that of the optimiser.
+        generations: of differential evolution.
+        population: settings a generation.
+        after: called after each generation with its number and the number of settings tried.
+    """
+    free, limits = trials.stated.free, trials.stated.limits
+    low, high = np.array(list(free.values())).T
+    known: dict[Setting, Row] = {}
+    done = 0
+
+    def score(points: Floats) -> Floats:
+        keys = [rounded(point, free) for point in np.atleast_2d(points.T).tolist()]
+        new = [key for key in dict.fromkeys(keys) if key not in known]
+        if new:
+            known.update(zip(new, trials.quick(np.array(new)), strict=True))
+        return tried_of(keys, [known[key] for key in keys], free).score(limits)
+
+    def report(intermediate_result: Any) -> None:  # noqa: ARG001 - by its name, for scipy
+        nonlocal done
+        done += 1
+        after(done, len(known))
+
+    first = stats.qmc.LatinHypercube(len(low), rng=np.random.default_rng(trials.seed))
+    optimize.differential_evolution(
+        score,
+        list(free.values()),
+        init=low + first.random(population) * (high - low),
+        maxiter=generations,
+        rng=np.random.default_rng(trials.seed),
+        vectorized=True,
+        updating="deferred",
+        polish=False,
+        tol=0.0,
+        callback=report,
+    )
+    return _checked(trials, known)
+
+
+def _checked(trials: Trials, known: Mapping[Setting, Row]) -> Design:
+    """Check the best settings until one holds; return the design.
+
+    If none holds, the design is the checked setting that fails least.
+    """
+    free, limits = trials.stated.free, trials.stated.limits
+    keys, quick, checks = list(known), np.array(list(known.values())), dict[int, Check]()
+    accepted = tried_of(keys, quick, free).keeps(limits)
+    while True:
+        rows = _expected(keys, quick, checks, free)
+        design = Design(tried_of(keys, rows, free), 0, limits, checks)
+        score, numbers = design.tried.score(limits), list(checks)
+        open_ones = np.setdiff1d(np.flatnonzero(accepted), numbers)
+        if numbers and (score[numbers].min() < 0.0 or not open_ones.size or len(numbers) == CHECKS):
+            return replace(design, best=numbers[int(np.argmin(score[numbers]))])
+        among = open_ones if open_ones.size else np.arange(len(keys))
+        design = replace(design, best=int(among[np.argmin(score[among])]))
+        checks[design.best] = trials.check(design.setting)
+
+
+def _expected(
+    keys: Sequence[Setting],
+    quick: Floats,
+    checks: Mapping[int, Check],
+    free: Mapping[str, tuple[float, float]],
+) -> Floats:
+    """Return the results of settings: of the check, or expected from those of the quick trial.
+
+    Times, forces and tilts grow from the quick trial to the check as at the nearest checked
+    setting; near one at which devices fail as large a share fails.
+    """
+    if not checks:
+        return quick
+    rows, numbers, found = quick.copy(), list(checks), np.array([c.row for c in checks.values()])
+    low, high = np.array(list(free.values())).T
+    places = (np.array(keys) - low) / (high - low)
+    apart = np.linalg.norm(places[:, None] - places[numbers], axis=2)
+    nearest = apart.argmin(axis=1)
+    growth = found[:, _GROWING] / quick[numbers, _GROWING]
+    rows[:, _GROWING] *= np.nan_to_num(growth, nan=1.0)[nearest]
+    near = apart.min(axis=1) < NEARBY
+    rows[near, 0] = np.minimum(rows[near, 0], found[nearest[near], 0])
+    rows[numbers] = found
+    return rows
+
+
+def tried_of(keys: Sequence[Setting], rows: Any, free: Mapping[str, Any]) -> Tried:
+    """Return the results of settings as columns."""
+    columns, settings = np.array(rows, dtype=np.float64).T, np.array(keys).T
+    return Tried(
+        dict(zip(free, settings, strict=True)),
+        columns[0],
+        columns[1],
+        dict(zip(MEASURES, columns[2:], strict=True)),
+    )
+
+
+def rounded(point: list[float], free: Mapping[str, tuple[float, float]]) -> Setting:
+    """Return a setting with the digits that are printed."""
+    return tuple(as_printed(v, *ends) for v, ends in zip(point, free.values(), strict=True))
 
 
 def as_printed(value: float, low: float, high: float) -> float:
@@ -339,38 +290,3 @@ def as_printed(value: float, low: float, high: float) -> float:
     elif digits < low:
         digits += step
     return float(f"{digits:.{DIGITS}g}")
-
-
-@dataclass(frozen=True)
-class OtherFriction:
-    """Results at another friction than the one that a search assumed.
-
-    Attributes:
-        friction: the other friction.
-        setting: setting recommended for it, SI units.
-        feasible: True if every device goes in at that setting and the limits are kept.
-        share: share of the devices that go in at the setting that the search recommends.
-        keeps: True if every device goes in there and the limits are kept.
-        devices: number of devices by which both settings are judged at most.
-    """
-
-    friction: float
-    setting: Mapping[str, float]
-    feasible: bool
-    share: float
-    keeps: bool
-    devices: int
-
-
-def at_other_friction(
-    search: Search, friction: float, generations: int, population: int
-) -> OtherFriction:
-    """Return what a search recommends for another ``friction``, and how its own setting does."""
-    stated, devices = search.stated.changed(friction=friction), min(search.judges.devices, FEW)
-    other = Search(replace(search.judges, stated=stated, devices=devices))
-    own = search.best().key
-    other.judge(np.array([own]))
-    share = other.check(own, devices).row[0]
-    keeps = bool(other._results([own]).keeps(search.stated.limits)[0])
-    design = other.run(generations, population)
-    return OtherFriction(friction, design.setting, design.feasible, share, keeps, devices)

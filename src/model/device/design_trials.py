@@ -1,11 +1,10 @@
-"""Two judges of a setting in a design: a quick one for the search, and that of ``assess``.
+"""Trials of a setting of a design: a quick one for the search, and the check that ``assess`` makes.
 
-The quick judge takes ``POINTS`` devices drawn within the tolerances, and as many lines outwards,
+The quick trial takes ``POINTS`` devices drawn within the tolerances, and as many lines outwards,
 each from a quarter of the starts; from device to device the quarters differ. It can accept a
-setting that fails. So every setting is judged thoroughly before it is recommended: by the devices
-that ``assess`` draws, from every start. These results replace those of the quick judge. Devices
-that fail there are *lessons*: a setting at which one of them fails too is refused from then on. One
-error is left, on the safe side: a good setting that the quick judge refuses.
+setting that fails. So a setting is checked before it is recommended, by the devices that ``assess``
+draws, from every start. One error is left, on the safe side: a good setting that the quick trial
+refuses.
 """
 
 import math
@@ -35,12 +34,11 @@ from model.runs.unvibrated import unvibrated
 from model.sweeps.starts import Starts
 
 POINTS = 16  # devices drawn within the tolerances of a setting, a power of two
-QUARTERS = 4  # the quick judge tries one start of every four
+QUARTERS = 4  # the quick trial takes one start of every four
 SCALES = (1.0, 2.0, 3.0)  # distances along a line that are tried, in tolerances
 FARTHEST = SCALES[-1]
 HALVINGS = 3  # a failure along a line is located to 1/8 of a tolerance
-LESSONS = 4  # failing devices that are learnt from a setting, at most
-STAGE = 64  # devices after which the thorough judge first looks whether a setting holds
+STAGE = 64  # devices after which a check first looks whether a setting holds
 MEASURES = ("time", "contact_force", "tilt", "vibration")
 
 Ints = NDArray[np.int64]
@@ -49,33 +47,31 @@ Row = tuple[float, ...]
 
 
 @dataclass(frozen=True)
-class Thorough:
+class Check:
     """Results of a setting by the devices and starts of ``assess``.
 
     Attributes:
         row: its results; a share of 0 if the device itself does not go in.
         devices: number of devices drawn; fewer than asked for once the setting does not hold.
         going_in: number of them that go in from every start.
-        lessons: offsets, in tolerances, of some devices that fail or exceed a limit.
     """
 
     row: Row
     devices: int
     going_in: int
-    lessons: tuple[Row, ...] = ()
 
 
 @dataclass(frozen=True)
-class Judges:
-    """The judges of the settings of a device.
+class Trials:
+    """Trials of the settings of a device.
 
     Attributes:
         stated: device with free quantities and tolerances.
         starts: phases and tilts at touch-down.
         settings: settings of the runs.
         cores: number of threads.
-        seed: seed of the devices that the quick judge draws.
-        devices: number of devices that the thorough judge draws, a power of two.
+        seed: seed of the devices of the quick trial.
+        devices: number of devices of a check, a power of two.
     """
 
     stated: StatedDevice
@@ -104,59 +100,31 @@ class Judges:
         columns = share, margin, *measures, self._needs_vibration(values, shape)
         return [tuple(float(each) for each in row) for row in zip(*columns, strict=True)]
 
-    def thorough(self, setting: Mapping[str, float], least: int = 0) -> Thorough:
-        """Return the results of a setting (SI units by name) as ``assess`` has them.
-
-        Once the setting does not hold, no more than ``least`` devices are run.
-        """
+    def check(self, setting: Mapping[str, float]) -> Check:
+        """Return the results of a setting (SI units by name) as ``assess`` has them."""
         stated = self.stated.changed(**setting)
         values = {name: np.full(self.devices, value) for name, value in setting.items()}
         values |= drawn(stated, self.devices)
         _keep_on_edge(stated, values)
         itself = {name: np.array([stated.quantities[name]]) for name in values}
-        alone = bool(are_reliable(stated, itself, self.starts, self.settings, self.cores)[0])
-        holds, parts, done = alone, list[DeviceResults](), 0
-        while done < (self.devices if holds else min(least, self.devices)):
+        if not are_reliable(stated, itself, self.starts, self.settings, self.cores)[0]:
+            return Check((0.0, 0.0, *[math.nan] * len(MEASURES)), 0, 0)
+        parts, done, holds = list[DeviceResults](), 0, True
+        while holds and done < self.devices:
             last = min(max(STAGE, 4 * done), self.devices)
             some = {name: column[done:last] for name, column in values.items()}
             parts.append(run_devices(stated, some, self.starts, self._statistical, self.cores))
-            holds, done = holds and bool(self._is_good(parts[-1]).all()), last
-        if not parts:
-            itself_fails = ((0.0,) * len(stated.tolerances),)
-            return Thorough((0.0, 0.0, *[math.nan] * len(MEASURES)), 0, 0, itself_fails)
+            holds, done = bool(self._is_good(parts[-1]).all()), last
         whole = _joined(parts)
-        going_in = int(whole.goes_in.sum())
-        failing = nearest_failing(stated, whole, self.starts) if alone else None
-        margin = FARTHEST if alone else 0.0
-        if failing is not None:
-            margin = failing.distance
-        elif alone:
+        failing = nearest_failing(stated, whole, self.starts)
+        if failing is None:
             margin = self._margin_from_every_start(np.array([list(setting.values())]))
+        else:
+            margin = failing.distance
         measures = (float(np.fmax.reduce(each)) for each in (whole.time, whole.force, whole.tilt))
         needs = float(self._needs_vibration(whole.values, (1, done))[0])
-        share = going_in / done if alone else 0.0
-        lessons = self._lessons_of(stated, whole)
-        return Thorough((share, margin, *measures, needs), done, going_in, lessons)
-
-    def _lessons_of(self, stated: StatedDevice, results: DeviceResults) -> tuple[Row, ...]:
-        """Return the offsets, in tolerances, of some devices that are not good."""
-        bad = np.flatnonzero(~self._is_good(results))
-        bad = bad[:: max(bad.size // LESSONS, 1)][:LESSONS]
-        columns = []
-        for name, each in stated.tolerances.items():
-            own = stated.quantities[name]
-            columns.append((results.values[name][bad] - own) / each.end(own))
-        return tuple(tuple(row) for row in np.stack(columns, axis=1).tolist())
-
-    def survive(self, points: Floats, lessons: Sequence[Row]) -> NDArray[np.bool_]:
-        """Return at which settings, shape (n, free quantities), no lesson fails."""
-        if not lessons:
-            return np.ones(len(points), dtype=np.bool_)
-        offsets = np.tile(np.array(lessons), (len(points), 1))
-        values = self._values(np.repeat(points, len(lessons), axis=0), offsets)
-        good = self._is_good(self._run(values, None)).reshape(len(points), len(lessons))
-        survive: NDArray[np.bool_] = np.logical_and.reduce(good, axis=1)
-        return survive
+        going_in = int(whole.goes_in.sum())
+        return Check((going_in / done, margin, *measures, needs), done, going_in)
 
     @property
     def _statistical(self) -> Settings:
