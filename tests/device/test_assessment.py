@@ -51,14 +51,13 @@ def test_a_leeway_ends_less_than_half_a_per_cent_before_a_failure(device):
     assert (friction.bounded_below, friction.bounded_above) == (False, True)
 
 
-def test_one_parameter_varies_at_a_time_and_trials_stop_at_a_failure(device):
+def test_one_parameter_varies_at_a_time_in_two_batches(device):
     is_reliable, calls = oracle(device, press_force=(0.99 * device.press_force, np.inf))
     assert {each.parameter for each in leeways(device, is_reliable)} == set(VARIED)
     for swept in calls:
         off = sum(values != getattr(device, name) for name, values in swept.items())
         assert (off == 1).all()
-    least = min(each["press_force"].min() for each in calls if "press_force" in each)
-    assert least == pytest.approx(device.press_force * STEP**-4)  # those tried together
+    assert len(calls) == 2
 
 
 def test_trials_stop_at_the_bound_of_a_parameter_and_zero_has_no_leeway(device):
