@@ -123,13 +123,6 @@ def test_an_invocation_that_lives_is_running(recorded) -> None:
     assert [each["outcome"] for each in load_history(recorded.root)] == ["done", "done"]
 
 
-def test_every_dataset_is_kept_once(recorded) -> None:
-    for shift in (0.0, 0.5, 0.0):
-        recorded.built(shift)
-    assert len(list((recorded.root / "history/data").iterdir())) == 2
-    assert len(load_runs(recorded.root)) == 3
-
-
 def test_a_disk_that_refuses_hides_nothing(recorded, capsys, monkeypatch) -> None:
     invocation = recorded.invocation()
 
