@@ -92,7 +92,7 @@ def test_chunks_and_cores_do_not_change_the_map(sweep, found, chunks, tmp_path):
     paths = [tmp_path / f"{chunk}.nc" for chunk in range(chunks)]
     for chunk, path in enumerate(paths):
         write_dataset(run(sweep, chunk, chunks, cores=1 + chunk % 2), path)
-    again = merge(sweep, "title", read_chunks(paths, sweep.figure, sweep.identity))
+    again = merge(sweep, "title", read_chunks(paths, sweep.name, sweep.identity))
     xr.testing.assert_identical(again, found)
 
 
@@ -102,7 +102,7 @@ def test_a_chunk_of_another_map_is_refused(sweep, tmp_path):
     for change in ({"config_hash": other.identity}, {"chunk": 1}, {"chunks": 3}, {"figure": "x"}):
         write_dataset(first.assign_attrs({"chunks": 1} | change), path)
         with pytest.raises(DatasetError, match=r"0\.nc: is not chunk 0 of map; deleted"):
-            read_chunks([path], sweep.figure, sweep.identity)
+            read_chunks([path], sweep.name, sweep.identity)
         assert not path.exists()
     with pytest.raises(DatasetError, match="do not hold each of 221 points once"):
         merge(sweep, "title", [first])

@@ -273,7 +273,7 @@ def own_runs() -> dict[str, xr.Dataset]:
     coarse = study.model_copy(update={"claims_runs": small})
     names = ("centred", "misaligned")
     sweeps = [sweep_of(coarse, name) for name in names]
-    return {each.figure: merge(each, "title", [run(each)]) for each in sweeps}
+    return {each.name: merge(each, "title", [run(each)]) for each in sweeps}
 
 
 def test_a_start_without_asymmetry_is_one(own_runs: dict[str, xr.Dataset]) -> None:

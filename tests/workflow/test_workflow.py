@@ -91,7 +91,13 @@ def test_accuracy_prints_what_it_found_whether_or_not_it_computes(workspace: Any
     assert found in run.stdout
     with (root / "runs.csv").open(encoding="utf-8", newline="") as stream:
         indexed = {row["run"] for row in csv.DictReader(stream)}
-    assert indexed == {"kernels", "trial/error/0", "trial/error/1", "trial/settled/0", "judge"}
+    assert indexed == {
+        "kernels",
+        "trial/error/0",
+        "trial/error/1",
+        "trial/settled/0",
+        "trial_summary",
+    }
     again = workspace.forked("accuracy")
     assert found in again.stdout
     assert "trying chunk" not in again.stdout + again.stderr

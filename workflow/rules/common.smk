@@ -3,10 +3,8 @@
 from pathlib import Path
 
 from model.study.plans import marks_of, sweep_of
-from model.tracking.code import code_hash, code_of
+from model.tracking.code import code_of
 from benchmarks.plans import HARD_PICTURES, PICTURES
-
-codes = {}  # hash of a script's code, by the script's name
 
 
 def code(script):
@@ -14,9 +12,7 @@ def code(script):
 
     Snakemake names the files that differ as the reason of a rerun: `snakemake -n --quiet host`.
     """
-    code = code_of(Path(workflow.basedir), f"workflow/scripts/{script}.py")
-    codes[script] = code_hash(code)
-    return code
+    return code_of(Path(workflow.basedir), f"workflow/scripts/{script}.py")
 
 
 def stated(plan):

@@ -9,7 +9,7 @@ from model.tracking.job import recorded, snakemake
 with recorded(snakemake) as metadata:
     sweep = Sweep.model_validate(snakemake.params.sweep)
     files = [Path(file) for file in snakemake.input]
-    chunks = read_chunks(files, sweep.figure, sweep.identity)
+    chunks = read_chunks(files, sweep.name, sweep.identity)
     dataset = merge(sweep, snakemake.params.title, chunks)
     write_dataset(dataset, Path(snakemake.output.data))
     metadata |= {**sweep.metadata, "counts": outcome_counts(dataset)}

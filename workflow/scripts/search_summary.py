@@ -1,4 +1,4 @@
-"""Order the sets that were judged, and state the best one as the configuration does."""
+"""Order the sets that were scored, and state the best one as the configuration does."""
 
 from pathlib import Path
 

@@ -121,7 +121,7 @@ def map_of(
     every = max(min(ensemble.every, (min(x.count, y.count) - 1) // _SPACES), 1)
     own = {x.parameter, y.parameter} & {"phase", "initial_tilt"}
     given: dict[str, Any] = {
-        "figure": "map",
+        "name": "map",
         "kind": "map",
         "parameters": parameters.given(),
         "settings": settings,

@@ -25,7 +25,7 @@ def sweep_of(study: Study, name: str) -> Sweep:
     if name in study.claims_runs:
         run = study.claims_runs[name]
         return Sweep(
-            figure=name,
+            name=name,
             kind="curves",
             parameters=study.claim_parameters(name).given(),
             settings=study.settings,
@@ -35,7 +35,7 @@ def sweep_of(study: Study, name: str) -> Sweep:
     if name == "jamming":
         slot = study.jamming
         return Sweep(
-            figure=name,
+            name=name,
             kind="map",
             parameters=study.baseline.replace(**slot.held).given(),
             settings=study.settings.model_copy(update={"scene": "insertion"}),
@@ -43,7 +43,7 @@ def sweep_of(study: Study, name: str) -> Sweep:
             variables=_IN_THE_SLOT,
         )
     spec = study.spec_of(name)
-    given = {"figure": name, "settings": study.settings}
+    given = {"name": name, "settings": study.settings}
     given["parameters"] = study.parameters(name).given()
     if isinstance(spec, Schematic):
         raise ValueError(f"{name} is a drawing: it has no sweep")  # noqa: TRY004

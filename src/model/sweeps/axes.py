@@ -111,7 +111,7 @@ class Plan(BaseModel):
     @property
     def identity(self) -> str:
         """Hash of the plan's JSON: equal for plans that give equal results."""
-        return hashlib.sha256(self.model_dump_json().encode()).hexdigest()[:16]
+        return hashlib.sha256(self.model_dump_json(by_alias=True).encode()).hexdigest()[:16]
 
 
 def points_of_chunk(count: int, chunk: int, chunks: int) -> NDArray[np.int64]:

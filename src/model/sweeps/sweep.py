@@ -103,7 +103,7 @@ class Sweep(Plan):
     """Runs over a grid of no parameter to four.
 
     Attributes:
-        figure: name of the dataset: "fig06", "centred", "jamming", ….
+        name: name of the dataset: "fig06", "centred", "jamming", …; "figure" in hashes and files.
         kind: "history" (no dimensions), "curves" (family, swept) or "map" (y, x, or more).
         parameters: every parameter, None where it is derived. Swept ones have the baseline's
             values; no run uses these, but they count in the identity.
@@ -114,7 +114,7 @@ class Sweep(Plan):
         ensemble: starts that are tried at every few nodes of a map, None for no others.
     """
 
-    figure: str
+    name: str = Field(serialization_alias="figure")
     kind: Literal["history", "curves", "map"]
     parameters: dict[str, float | None]
     settings: RunSettings
@@ -211,9 +211,9 @@ def run(sweep: Sweep, chunk: int = 0, chunks: int = 1, cores: int = 1) -> xr.Dat
             for name, attributes in {"time": _TIME, **HISTORY_VARIABLES}.items()
             if courses
         }
-    stated = {"figure": sweep.figure, "config_hash": sweep.identity, "chunk": chunk}
+    stated = {"figure": sweep.name, "config_hash": sweep.identity, "chunk": chunk}
     words = {
-        "title": f"{sweep.figure}: chunk {chunk + 1} of {chunks}",
+        "title": f"{sweep.name}: chunk {chunk + 1} of {chunks}",
         "summary": "Results at some points of a grid, before they are merged into its dataset.",
     }
     return xr.Dataset(variables, coordinates, {**words, **stated, "chunks": chunks})
@@ -303,7 +303,7 @@ def merge(sweep: Sweep, title: str, parts: Sequence[xr.Dataset]) -> xr.Dataset:
     for part in parts:
         if part.attrs.get("config_hash") != sweep.identity:
             raise DatasetError(
-                f"{sweep.figure}: a chunk belongs to sweep {part.attrs.get('config_hash')!r}, not "
+                f"{sweep.name}: a chunk belongs to sweep {part.attrs.get('config_hash')!r}, not "
                 f"{sweep.identity!r}: delete the chunks of this figure and run again"
             )
     columns = {}
@@ -312,7 +312,7 @@ def merge(sweep: Sweep, title: str, parts: Sequence[xr.Dataset]) -> xr.Dataset:
         points = np.concatenate([each[f"{prefix}{POINT}"].values for each in parts])
         if not np.array_equal(np.sort(points), np.arange(size)):
             raise DatasetError(
-                f"{sweep.figure}: the chunks do not hold each of {size} points once: delete the "
+                f"{sweep.name}: the chunks do not hold each of {size} points once: delete the "
                 "chunks of this figure and run again"
             )
         order = np.argsort(points)
@@ -345,7 +345,7 @@ def dataset_of(sweep: Sweep, title: str, columns: Columns) -> xr.Dataset:
     summary = summary_of(
         {coordinates[name][2]["long_name"]: len(values) for name, values in sweep.swept.items()}
     )
-    stated = global_attributes(sweep.figure, sweep.kind, sweep.identity, title, summary, settings)
+    stated = global_attributes(sweep.name, sweep.kind, sweep.identity, title, summary, settings)
     return xr.Dataset(variables, coordinates, stated)
 
 

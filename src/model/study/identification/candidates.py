@@ -2,7 +2,7 @@
 
 A claim falls short by 0 where it is shown with a margin to spare, by 1 and more where it is not.
 Given the structure, figures meet in sums and maxima only: a claim on several figures falls short by
-the mean of what it does in the worst one and in all. So each figure is computed and judged alone,
+the mean of what it does in the worst one and in all. So each figure is computed and scored alone,
 and to choose an operating point for each costs no further run.
 """
 
@@ -34,7 +34,7 @@ AIM, LIMIT = 4.0, 8.0  # claims that an aim and a limit missed by its whole size
 _MISSED = 1.0  # claims that a set counts as more in small steps, if it misses any limit
 _MOST_EXCESS = 2.0
 _PREFERENCE = 0.5  # claims that a friction of twice the preferred one counts as
-_SHARED_WEIGHT = 0.4  # of a claim on several figures, while each is judged alone
+_SHARED_WEIGHT = 0.4  # of a claim on several figures, while each is scored alone
 BEARING = np.array([max(len(claim.figures), 1) for claim in CLAIMS])
 SHARED = np.array([len(claim.figures) > 1 and not claim.compares for claim in CLAIMS])
 
@@ -54,7 +54,7 @@ _NOTHING = Numbers(0.0, 0.0, 1.0, math.pi / 2.0, 0.0, 0.0)  # of a figure that n
 
 
 @dataclass(frozen=True)
-class Tried:
+class Scores:
     """A figure of one structure at t operating points.
 
     Attributes:
@@ -89,8 +89,8 @@ class Choice:
 # --- Figures --------------------------------------------------------------------------------------
 
 
-def tried(space: Space, structure: Array, figure: str, points: Array, grid: Grid) -> Tried:
-    """Compute and judge a figure of a structure at operating points, shape (t, unknowns)."""
+def scores_of(space: Space, structure: Array, figure: str, points: Array, grid: Grid) -> Scores:
+    """Compute and score a figure of a structure at operating points, shape (t, unknowns)."""
     names = space.of_figure(figure, grid)
     whole = np.full((len(points), len(space.names)), 0.5)
     whole[:, space.places["structure"]] = structure
@@ -103,7 +103,7 @@ def tried(space: Space, structure: Array, figure: str, points: Array, grid: Grid
     numbers = [
         numbers_of(figure, each, given) for each, given in zip(datasets, values, strict=True)
     ]
-    return Tried(points, shorts, np.array(numbers), datasets)
+    return Scores(points, shorts, np.array(numbers), datasets)
 
 
 def datasets_of(sweeps: Sequence[Sweep], figures: Sequence[str]) -> list[xr.Dataset]:
@@ -111,7 +111,7 @@ def datasets_of(sweeps: Sequence[Sweep], figures: Sequence[str]) -> list[xr.Data
 
     Runs of the claims have no unvibrated controls, which none of their claims reads.
     """
-    gridded = [each for each in sweeps if each.dimensions and each.figure not in TRACKED]
+    gridded = [each for each in sweeps if each.dimensions and each.name not in TRACKED]
     columns = iter(_columns(gridded, figures) if gridded else ())
     return [
         dataset_of(each, "", next(columns)) if each in gridded else merge(each, "", [run(each)])
@@ -129,7 +129,7 @@ def _columns(sweeps: Sequence[Sweep], figures: Sequence[str]) -> list[Columns]:
     back = np.argsort(order)
     columns = {name: found[name][back] for name in found}
     columns["sensitive"] = np.zeros(len(together))
-    of_figures = np.repeat([each.figure in figures for each in sweeps], np.diff(ends, prepend=0))
+    of_figures = np.repeat([each.name in figures for each in sweeps], np.diff(ends, prepend=0))
     needed = np.flatnonzero(of_figures & (columns["outcome"] == Outcome.ALIGNED))
     columns["unvibrated"] = np.zeros(len(together))
     columns["unvibrated_tilt"] = np.full(len(together), math.nan)
@@ -149,7 +149,7 @@ def _rows(batch: Batch, rows: NDArray[np.int64]) -> Batch:
     return Batch({name: column[rows] for name, column in batch.values.items()})
 
 
-# --- Judgement of a figure alone ------------------------------------------------------------------
+# --- Score of a figure alone ----------------------------------------------------------------------
 
 
 def _shorts(space: Space, datasets: Mapping[str, xr.Dataset]) -> Array:
@@ -253,7 +253,7 @@ def shortfall_at_last(problem: Problem, shortfall: float, numbers: Mapping[str, 
     return shortfall + (0.0 if meets_limits(problem, numbers) else _MISSED)
 
 
-def chosen(space: Space, structure: Array, figures: Mapping[str, Tried]) -> Choice:
+def chosen(space: Space, structure: Array, figures: Mapping[str, Scores]) -> Choice:
     """Return the operating points of least shortfall: from several starts, one figure at a time."""
     problem, names = space.problem, list(figures)
     missed = {name: short_of_aims(problem, name, figures[name].numbers) for name in names}
@@ -287,9 +287,13 @@ def chosen(space: Space, structure: Array, figures: Mapping[str, Tried]) -> Choi
 
 
 def costs_alone(
-    space: Space, figure: str, made: Tried, weight: float = 0.0, shared: float = _SHARED_WEIGHT
+    space: Space,
+    figure: str,
+    made: Scores,
+    weight: float = 0.0,
+    shared: float = _SHARED_WEIGHT,
 ) -> Array:
-    """Return the cost of each operating point of a figure judged alone, shape (t,), in claims.
+    """Return the cost of each operating point of a figure scored alone, shape (t,), in claims.
 
     Args:
         space: of the search.

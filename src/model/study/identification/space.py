@@ -34,7 +34,7 @@ MOST_INERTIA = 4.0  # of Fig. 10's axis, over the inertia of the bare part
 ON_FACE = 0.95  # of the misalignment at which the edge A1 leaves the bottom face
 TRACKED = ("centred", "pressed", "misaligned", "displaced")  # whose claims read trajectories
 REST_HORIZON, REST_TOLERANCE = 300.0, 1e-8  # what is not vibrated must be seen to come to rest
-_JUDGED = (
+_SCORED = (
     *(name for name, result in RESULTS.items() if result.stored and name != "tau_error"),
     "unvibrated", "unvibrated_tilt",
 )  # fmt: skip
@@ -133,12 +133,12 @@ class Space(Plan):
         ]
         axes = sum(isinstance(each, Axis) for each in dimensions)
         return Sweep.model_construct(
-            figure=name,
+            name=name,
             kind="map" if axes == 2 else "curves" if axes else "history",
             parameters=parameters,
             settings=self.settings.model_copy(update=limits),
             dimensions=dimensions,
-            variables=(*_JUDGED, *(TRACK_QUANTITIES if name in TRACKED else ())),
+            variables=(*_SCORED, *(TRACK_QUANTITIES if name in TRACKED else ())),
         )
 
 
