@@ -13,7 +13,7 @@ from model.study.claims.ledger import Judgement
 from model.study.config import FIGURES, Study, check_study, load_study, read_study, study_path
 from model.study.config.identification import Round, Stage
 from model.study.identification import candidates, search
-from model.study.identification.candidates import Scores, Numbers, short_of, short_of_aims
+from model.study.identification.candidates import Numbers, Scores, short_of, short_of_aims
 from model.study.identification.space import Space, bare_inertia, space_of, structure_of
 from model.study.identification.tables import (
     found_text,

@@ -5,7 +5,7 @@ from pathlib import Path
 from model.study.config.identification import Stage
 from model.study.identification.search import final
 from model.study.identification.space import Space
-from model.study.identification.tables import scored_text, read_found
+from model.study.identification.tables import read_found, scored_text
 from model.sweeps.files import write_text
 from model.tracking.job import recorded, snakemake
 

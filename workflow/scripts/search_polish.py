@@ -5,7 +5,7 @@ from pathlib import Path
 from model.study.config.identification import Stage
 from model.study.identification.search import polish
 from model.study.identification.space import Space
-from model.study.identification.tables import scored_text, read_scored
+from model.study.identification.tables import read_scored, scored_text
 from model.sweeps.files import write_text
 from model.tracking.job import recorded, snakemake
 

@@ -18,8 +18,8 @@ from scipy.stats import qmc
 from model.study.config.identification import Round, Stage
 from model.study.identification.candidates import (
     Choice,
-    Scores,
     Numbers,
+    Scores,
     chosen,
     costs_alone,
     scores_of,
