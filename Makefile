@@ -110,10 +110,9 @@ script-types:
 	! command -v npx >/dev/null || npx --yes --package typescript@5.9.3 tsc --noEmit --strict --noUnusedLocals --noUnusedParameters --noImplicitReturns --checkJs --allowJs --target es2022 \
 		--lib es2022,dom,dom.iterable src/model/show/explorer/*.js
 
-# On a Slurm of its own; STUDY=tiny for a study that takes less time.
-STUDY ?= smoke
+# On a Slurm of its own.
 slurm-test: environment
-	VIBRALIGN_STUDY=$(STUDY) $(in_env) pytest -rPs -m slurm tests/workflow/test_slurm.py
+	$(in_env) pytest -rPs -m nightly tests/workflow/test_slurm.py
 
 docs: environment
 	rm -rf site docs/examples
@@ -122,6 +121,7 @@ docs: environment
 	@echo "open site/index.html"
 
 # KILLS=500 kills the study at more moments.
+STUDY ?= smoke
 KILLS ?= 50
 nightly: environment
 	VIBRALIGN_STUDY=$(STUDY) VIBRALIGN_KILLS=$(KILLS) VIBRALIGN_SETS=500 $(in_env) pytest -rP -m nightly tests
