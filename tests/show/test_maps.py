@@ -16,7 +16,6 @@ from model.show.maps import (
     ADDED_LABELS,
     LEFT_LABEL,
     MARK_LABEL,
-    NON_ALIGNING,
     RELIABLE_LABEL,
     SLOW_LABEL,
     VIBRATION_LABEL,
@@ -57,8 +56,8 @@ def covered(patch: PathPatch, dataset: xr.Dataset) -> np.ndarray:
     return inside.reshape(dataset["tau_align"].shape)
 
 
-def test_the_mesh_holds_the_durations_with_words_and_is_an_image_in_vector_files(area):
-    axes, bar = stability_map(area).axes
+def test_the_mesh_holds_the_durations_and_is_an_image_in_vector_files(area):
+    axes = stability_map(area).axes[0]
     (mesh,) = (each for each in axes.collections if isinstance(each, QuadMesh))
     drawn = mesh.get_array()
     np.testing.assert_array_equal(drawn.filled(NAN), area["tau_align"].values)
@@ -67,9 +66,6 @@ def test_the_mesh_holds_the_durations_with_words_and_is_an_image_in_vector_files
     corners = mesh.get_coordinates()
     middles = 0.25 * (corners[1:, 1:] + corners[1:, :-1] + corners[:-1, 1:] + corners[:-1, :-1])
     np.testing.assert_allclose(middles.reshape(-1, 2), centres(area))
-    assert axes.get_xlabel() == "tilt stiffness of the suspension $k_{φ}$"
-    assert axes.get_ylabel() == "initial pressing force $f_{0}$"
-    assert bar.get_ylabel() == "alignment duration $τ$"
 
 
 def test_cells_that_do_not_align_left_the_scene_or_failed_can_be_told(area):
@@ -81,18 +77,11 @@ def test_cells_that_do_not_align_left_the_scene_or_failed_can_be_told(area):
     ):
         (patch,) = named(patches, label)
         np.testing.assert_array_equal(covered(patch, area), marked)
-    assert named(patches, NOT_ALIGNED)[0].get_hatch() == NON_ALIGNING["hatch"]
 
 
 def test_cells_that_align_and_do_not_go_in_are_dotted(area):
     (dots,) = named(stability_map(followed(area, [(0, 5)])).axes[0].patches, NOT_INSERTED)
     assert np.argwhere(covered(dots, area)).tolist() == [[0, 5]]
-
-
-def test_the_legend_of_a_map_names_only_what_is_there(area):
-    assert words(stability_map(area)) == [NOT_ALIGNED, LEFT_LABEL, FAILED_LABEL]
-    area["outcome"][:] = Outcome.SETTLED
-    assert words(stability_map(area)) == [NOT_ALIGNED]
 
 
 def test_the_border_runs_between_cells_that_differ(area):
@@ -104,21 +93,6 @@ def test_the_border_runs_between_cells_that_differ(area):
     level, upright = np.abs(ends[:, 1] - ends[:, 0]).sum(axis=0) / steps
     assert upright == pytest.approx((gaps[:, 1:] != gaps[:, :-1]).sum())
     assert level == pytest.approx((gaps[1:] != gaps[:-1]).sum())
-
-
-def test_colours_are_logarithmic_only_where_durations_spread_and_say_so(area):
-    area["tau_align"][0, 8] = 100.0
-    assert stability_map(area).axes[1].get_ylabel().endswith("logarithmic")
-
-
-def test_a_map_of_200_by_200_cells_with_islands_stays_small(tmp_path):
-    rng = np.random.default_rng(7)
-    durations = np.add.outer(np.linspace(2.0, 4.0, 200), np.linspace(0.0, 40.0, 200))
-    durations[:, :60] = NAN
-    durations[rng.random(durations.shape) < 0.01] = NAN
-    figure = draw(grid("map", "frequency", "tilt_stiffness", durations))
-    for path in style.save(figure, tmp_path / "map"):
-        assert path.stat().st_size < 1_000_000, path.name
 
 
 @pytest.mark.parametrize("value", [NAN, 3.0])
