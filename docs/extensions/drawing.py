@@ -1,4 +1,4 @@
-"""Directive `drawing`: one of Figs. 1 to 4 for the tutorial's peg, drawn as the site is built."""
+"""Directive `drawing`: one of Figs. 1 to 4 or of the crescent, for the tutorial's peg."""
 
 from pathlib import Path
 
@@ -6,11 +6,13 @@ from docutils import nodes
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
+from docs import round_drawings
 from model import load_device
 from model.show.schematics import DRAWINGS
 from model.show.style import write
 
 _DOCS = Path(__file__).parents[1]
+_DRAWINGS = {**DRAWINGS, **round_drawings.DRAWINGS}
 
 
 class Drawing(SphinxDirective):
@@ -24,7 +26,7 @@ class Drawing(SphinxDirective):
         target = _DOCS.parent / "build" / "drawings" / f"{self.arguments[0]}.png"
         target.parent.mkdir(parents=True, exist_ok=True)
         device = load_device(_DOCS / "peg.yaml")
-        write(DRAWINGS[self.arguments[0]](device.parameters), target)
+        write(_DRAWINGS[self.arguments[0]](device.parameters), target)
         words, _ = self.parse_inline(" ".join(self.content))
         caption = nodes.caption("", "", *words)
         uri = f"/../build/drawings/{target.name}"

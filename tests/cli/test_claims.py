@@ -9,16 +9,16 @@ from model.cli import main as cli
 from model.study.claims import CLAIMS
 from model.study.claims.regime import Regime
 from model.sweeps.io import write_dataset
-from tests.study.claims_data import Course, curves, falling
+from tests.study.claims_data import Course, falling, runs
 
 
 @pytest.fixture(scope="module")
 def root(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Results with two figures, and one of the ledger's own runs."""
     folder = tmp_path_factory.mktemp("results")
-    for name, dataset in {**curves("fig06", falling), **Course().datasets}.items():
+    for name, dataset in {**runs("fig06", falling), **Course().datasets}.items():
         write_dataset(dataset, folder / f"data/{name}.nc")
-    own = curves("rubbing")["rubbing"]
+    own = runs("rubbing")["rubbing"]
     write_dataset(own, folder / "data/claims/rubbing.nc")
     return folder
 
@@ -55,9 +55,9 @@ def test_the_regime_is_a_line_for_every_figure(root: Path, capsys) -> None:
 
 def test_a_dataset_that_cannot_be_judged_is_named(tmp_path, capsys) -> None:
     path = tmp_path / "data/fig06.nc"
-    write_dataset(curves("fig06", falling)["fig06"].drop_vars("unvibrated"), path)
+    write_dataset(runs("fig06", falling)["fig06"].drop_vars("unvibrated"), path)
     assert cli.main(["claims", "--root", str(tmp_path), "--regime"]) == cli.REFUSED
-    assert "fig06: the dataset has no unvibrated" in capsys.readouterr().err
+    assert "fig06 has no column for 'unvibrated'" in capsys.readouterr().err
     path.write_bytes(b"CDF")
     assert cli.main(["claims", "--root", str(tmp_path)]) == cli.REFUSED
     assert "fig06.nc: cannot be read as netCDF" in capsys.readouterr().err

@@ -12,7 +12,7 @@ from benchmarks.report import SECTIONS
 from benchmarks.work_precision import table_of as settings_table
 from model.show.report import page as report_page
 from model.show.report.section import Results
-from model.study.claims import judge
+from model.study.claims import Tables, judge
 from model.study.claims.ledger import ledger_text, lines_of
 from model.study.plans import sweep_of
 from model.sweeps.io import write_dataset
@@ -89,7 +89,7 @@ def datasets(study):
 
 @pytest.fixture(scope="module")
 def lines(datasets):
-    return lines_of(judge(datasets))
+    return lines_of(judge(Tables.of(datasets)))
 
 
 @pytest.fixture(scope="module")

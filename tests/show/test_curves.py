@@ -10,8 +10,8 @@ from model.show import style
 from model.show.curves import SENSITIVE_LABEL, curves, draw_runs
 from model.show.style import FAILED_LABEL, NOT_INSERTED
 from tests.show.drawn import DURATIONS, NAN, curve_lines, followed, named
-from tests.study.claims_data import curves as run_curves
 from tests.study.claims_data import falling, within
+from tests.study.claims_data import runs as made_up
 
 
 def segments(line) -> list[tuple[np.ndarray, np.ndarray]]:
@@ -101,7 +101,7 @@ RUNS = {"centred": falling, "pressed": within(2.0, 3.0), "misaligned": falling,
 @pytest.fixture(scope="module")
 def runs():
     titled = {
-        name: run_curves(name, tau)[name].assign_attrs(title=f"Title of {name}")
+        name: made_up(name, tau)[name].assign_attrs(title=f"Title of {name}")
         for name, tau in RUNS.items()
     }
     return draw_runs(*titled.values()), titled

@@ -3,18 +3,20 @@
 Only what a check reads has a shape worth looking at; the rest is filled with what decides nothing.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
+from model.study.config.figures import MAPS
+
 Function = Callable[[Any, Any], Any]
 Datasets = dict[str, xr.Dataset]
 NAN = np.nan
-POINTS = 40
+POINTS, CELLS = 40, 24  # along a curve, and along a side of a map
 
-AXES: Mapping[str, tuple[str, list[float], str, float, float]] = {
+AXES: Mapping[str, tuple[str, Sequence[float] | np.ndarray, str, float, float]] = {
     "fig06": ("tilt_stiffness", [5.0, 7.0, 10.0, 15.0, 20.0], "press_force", 0.25, 10.0),
     "fig07": ("press_force", [1.0, 2.0, 3.0, 5.0], "friction", 0.0, 0.3),
     "fig08": ("frequency", [0.5, 1.0, 5.0, 10.0], "tilt_stiffness", 1.0, 30.0),
@@ -28,8 +30,9 @@ AXES: Mapping[str, tuple[str, list[float], str, float, float]] = {
     "displaced": ("frequency", [0.5, 1.0, 5.0, 10.0], "tilt_stiffness", 1.0, 30.0),
     "rubbing": ("press_force", [1.0, 3.0], "friction", 0.0, 1.0),
     "by_frequency": ("frequency", [0.5, 10.0], "press_force", 0.25, 10.0),
+    "fig13": ("press_force", np.linspace(0.25, 10.0, CELLS), "tilt_stiffness", 1.0, 30.0),
+    "fig14": ("frequency", np.linspace(0.2, 15.0, CELLS), "tilt_stiffness", 1.0, 30.0),
 }
-MAPS = {"fig13": ("press_force", 0.25, 10.0), "fig14": ("frequency", 0.2, 15.0)}
 
 
 def _filled(tau: np.ndarray) -> dict[str, np.ndarray]:
@@ -58,34 +61,24 @@ def _held(varied: set[str]) -> dict[str, float]:
 
 
 def _values(function: Function | float, first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    shape = (first.size, second.size)
     if not callable(function):
-        return np.full(shape, function)
-    values = [[function(float(a), float(b)) for b in second] for a in first]
-    return np.array(values, dtype=np.float64)
+        return np.full((first.size, second.size), function)
+    return np.vectorize(function, otypes=[np.float64])(first[:, None], second)
 
 
-def curves(
+def runs(
     figure: str, tau: Function | float = 5.0, points: int = POINTS, **others: Function | float
 ) -> Datasets:
-    """A figure with curves: ``tau`` and other variables as functions of (family, swept)."""
-    family, values, swept, low, high = AXES[figure]
-    at, x = np.array(values), np.linspace(low, high, points)
+    """A figure: ``tau`` and other variables as functions of the slow and the swept parameter."""
+    slow, values, swept, low, high = AXES[figure]
+    is_map = figure in MAPS
+    at, x = np.array(values), np.linspace(low, high, CELLS if is_map else points)
     rows = _filled(_values(tau, at, x))
     rows |= {name: _values(each, at, x) for name, each in others.items()}
-    variables = {name: ((family, swept), row) for name, row in rows.items()}
-    coordinates = {family: at, swept: x, **_held({family, swept})}
-    return {figure: xr.Dataset(variables, coordinates, {"figure": figure})}
-
-
-def plane(figure: str, tau: Function | float, cells: int = 24) -> Datasets:
-    """A map: ``tau`` as a function of (y, x), x being the tilt stiffness."""
-    name, low, high = MAPS[figure]
-    y, x = np.linspace(low, high, cells), np.linspace(1.0, 30.0, cells)
-    rows = _filled(_values(tau, y, x))
-    variables = {each: ((name, "tilt_stiffness"), row) for each, row in rows.items()}
-    coordinates = {name: y, "tilt_stiffness": x, **_held({name})}
-    return {figure: xr.Dataset(variables, coordinates, {"figure": figure})}
+    variables = {name: ((slow, swept), row) for name, row in rows.items()}
+    coordinates = {slow: at, swept: x, **_held({slow, swept})}
+    stated = {"figure": figure, "kind": "map" if is_map else "curves"}
+    return {figure: xr.Dataset(variables, coordinates, stated)}
 
 
 class Course(NamedTuple):
@@ -109,7 +102,7 @@ class Course(NamedTuple):
         rows["tilt_at_alignment"] = np.asarray(self.tilt(10.0), dtype=np.float64)
         variables |= {name: ((), row) for name, row in rows.items()}
         coordinates = {"time": time, **_held(set())}
-        return {"fig05": xr.Dataset(variables, coordinates, {"figure": "fig05"})}
+        return {"fig05": xr.Dataset(variables, coordinates, {"figure": "fig05", "kind": "history"})}
 
 
 def within(low: float, high: float, function: Function | float = 5.0) -> Function:
@@ -149,59 +142,53 @@ def rising(_at: float, x: float) -> float:
 Case = tuple[Datasets, Datasets]
 
 
-def durations(figure: str, satisfied: Function | float, violated: Function | float) -> Case:
-    """Durations of a figure that satisfy a claim, and that do not."""
-    made = plane if figure in MAPS else curves
-    return made(figure, satisfied), made(figure, violated)
-
-
-def values(
+def case(
     figure: str,
-    name: str,
     satisfied: Function | float,
     violated: Function | float,
-    tau: Function | float = 5.0,
+    of: str = "tau",
+    **others: Function | float,
 ) -> Case:
-    """Values of another variable that satisfy a claim, and that do not; the durations are equal."""
-    return curves(figure, tau, **{name: satisfied}), curves(figure, tau, **{name: violated})
+    """Values of a variable, the duration if not named, that satisfy a claim, and that do not."""
+    return runs(figure, **{of: satisfied, **others}), runs(figure, **{of: violated, **others})
 
 
 # Of each claim: data that satisfy it, and data that do not.
 CASES: dict[str, Case] = {
-    "N1": ({**curves("fig06"), **plane("fig13", 5.0)}, curves("fig06", separations=2.0)),
+    "N1": ({**runs("fig06"), **runs("fig13", 5.0)}, runs("fig06", separations=2.0)),
     "M1": (
-        {**curves("centred", excursion=0.0), **curves("misaligned")},
-        {**curves("centred", excursion=0.1), **curves("misaligned")},
+        {**runs("centred", excursion=0.0), **runs("misaligned")},
+        {**runs("centred", excursion=0.1), **runs("misaligned")},
     ),
     "M1b": (
-        {**curves("centred", excursion=lambda t, _: 10.0 * t), **curves("misaligned")},
-        {**curves("centred", excursion=0.1), **curves("misaligned")},
+        {**runs("centred", excursion=lambda t, _: 10.0 * t), **runs("misaligned")},
+        {**runs("centred", excursion=0.1), **runs("misaligned")},
     ),
-    "M2": values("pressed", "tilt_end", lambda k, f: f / k, 0.1, tau=NAN),
-    "M2b": durations("fig07", 5.0, within(0.01, 0.3)),
-    "M2c": values("pressed", "tilt_end", lambda k, f: f / k, lambda k, f: f * k, tau=NAN),
-    "M3": durations(
+    "M2": case("pressed", lambda k, f: f / k, 0.1, of="tilt_end", tau=NAN),
+    "M2b": case("fig07", 5.0, within(0.01, 0.3)),
+    "M2c": case("pressed", lambda k, f: f / k, lambda k, f: f * k, of="tilt_end", tau=NAN),
+    "M3": case(
         "misaligned",
         lambda f, _: 5.0 if f == 1.0 else NAN,
         lambda f, m: 5.0 if f == 1.0 and m < 0.35 else NAN,
     ),
-    "M4": durations("pressed", NAN, 5.0),
+    "M4": case("pressed", NAN, 5.0),
     "M4b": (
-        {**Course().datasets, **curves("fig06", unvibrated_tilt=lambda _, f: 0.03 * f)},
-        curves("fig06", unvibrated_tilt=lambda _, f: 0.06 * f),
+        {**Course().datasets, **runs("fig06", unvibrated_tilt=lambda _, f: 0.03 * f)},
+        runs("fig06", unvibrated_tilt=lambda _, f: 0.06 * f),
     ),
     "M9": (
-        {**Course().datasets, **curves("fig06", lambda _, f: 5.0 if f < 4.0 else NAN)},
-        curves("fig06", lambda k, f: 5.0 if k > 5.0 or f < 0.6 else NAN),
+        {**Course().datasets, **runs("fig06", lambda _, f: 5.0 if f < 4.0 else NAN)},
+        runs("fig06", lambda k, f: 5.0 if k > 5.0 or f < 0.6 else NAN),
     ),
-    "M2d": ({**Course().datasets, **curves("fig06")}, curves("fig06", tilt_at_alignment=-0.2)),
-    "M2e": (curves("fig06"), curves("fig06", tilt_max=0.2)),
+    "M2d": ({**Course().datasets, **runs("fig06")}, runs("fig06", tilt_at_alignment=-0.2)),
+    "M2e": (runs("fig06"), runs("fig06", tilt_max=0.2)),
     "M5": (
-        curves("displaced", side_force_max=lambda _, k: 1.0 if k < 5.0 else 0.0),
-        curves("displaced"),
+        runs("displaced", side_force_max=lambda _, k: 1.0 if k < 5.0 else 0.0),
+        runs("displaced"),
     ),
-    "M6": ({**Course().datasets, **curves("fig06")}, curves("fig06", tau_corners_inside=8.0)),
-    "M7": (curves("fig06", contact_force_max=lambda _, f: 1.0 + f), curves("fig06")),
+    "M6": ({**Course().datasets, **runs("fig06")}, runs("fig06", tau_corners_inside=8.0)),
+    "M7": (runs("fig06", contact_force_max=lambda _, f: 1.0 + f), runs("fig06")),
     "F5a": (Course().datasets, Course(x=lambda t: 0.2 + 0.0 * t).datasets),
     "F5b": (
         Course().datasets,
@@ -210,125 +197,127 @@ CASES: dict[str, Case] = {
     "F5c": (Course().datasets, Course(force=lambda t: np.where(t < 10.0, 1.5, 0.0)).datasets),
     "F5d": (Course().datasets, Course(tilt=lambda t: 0.04 * t).datasets),
     "F5e": (Course().datasets, Course(force=lambda t: np.maximum(3.0 - 0.3 * t, 0.0)).datasets),
-    "F5f": values("fig11", "tilt_at_alignment", lambda _, d: 1.0 - d, zigzag),
-    "F6a": durations(
+    "F5f": case("fig11", lambda _, d: 1.0 - d, zigzag, of="tilt_at_alignment"),
+    "F6a": case(
         "fig06", lambda _, f: 9.0 if f < 2.0 else 5.0, lambda _, f: 4.0 if f < 2.0 else 5.0
     ),
-    "F6b": durations("fig06", bump, falling),
-    "F6c": durations("fig06", within(1.0, 6.0), 5.0),
-    "F6d": durations("fig06", falling, rising),
+    "F6b": case("fig06", bump, falling),
+    "F6c": case("fig06", within(1.0, 6.0), 5.0),
+    "F6d": case("fig06", falling, rising),
     "F6e": (
-        {**curves("fig06", falling), **curves("fig12", falling)},
-        {**curves("fig06"), **curves("fig12", lambda _, f: 5.0 + 0.01 * f)},
+        {**runs("fig06", falling), **runs("fig12", falling)},
+        {**runs("fig06"), **runs("fig12", lambda _, f: 5.0 + 0.01 * f)},
     ),
-    "F7a": durations("fig07", rising, falling),
-    "F7b": durations(
+    "F7a": case("fig07", rising, falling),
+    "F7b": case(
         "fig07",
         lambda _, m: 5.0 + 10.0 * min(m, 0.1) + m,
         lambda _, m: 5.0 + 10.0 * max(m - 0.1, 0.0) + m,
     ),
-    "F7c": durations(
+    "F7c": case(
         "fig07", lambda _, m: 5.0 + 10.0 * m, lambda f, m: 5.0 + m if f < 3.0 else 5.0 + 50.0 * m
     ),
-    "F7d": durations("fig07", lambda f, m: 5.0 + 20.0 * m / f, lambda _, m: 5.0 + 20.0 * m),
-    "F7e": durations(
+    "F7d": case("fig07", lambda f, m: 5.0 + 20.0 * m / f, lambda _, m: 5.0 + 20.0 * m),
+    "F7e": case(
         "fig07",
         lambda f, m: 5.0 + (20.0 if f < 3.0 else 2.0) * min(m, 0.15),
         lambda f, m: 5.0 + (2.0 if f < 3.0 else 9.0) * m**2,
     ),
-    "F8a": durations("fig08", within(8.0, 30.0), 5.0),
-    "F8b": durations("fig08", falling, rising),
-    "F8c": durations(
+    "F8a": case("fig08", within(8.0, 30.0), 5.0),
+    "F8b": case("fig08", falling, rising),
+    "F8c": case(
         "fig08", lambda v, k: 5.0 if k > 3.0 + v else NAN, lambda v, k: 5.0 if k > 14.0 - v else NAN
     ),
-    "F8d": values(
+    "F8d": case(
         "displaced",
-        "way",
         lambda v, k: float(k > 3.0 + 2.0 * v),
         lambda v, k: float(k > 23.0 - v),
+        of="way",
         tau=NAN,
     ),
-    "F8e": durations("fig09", lambda f, _: 10.0 / f, lambda f, _: 10.0 * f),
-    "F8f": durations("rubbing", within(0.0, 0.6), 5.0),
-    "F8g": durations("fig08", lambda v, k: 5.0 if k > 3.0 + v else NAN, within(5.0, 30.0)),
-    "F8h": values("fig08", "tilt_max", lambda _, k: 1.0 / k, lambda _, k: k),
-    "F8i": values("fig08", "tilt_max", lambda _, k: 1.0 / k, lambda _, k: k, tau=within(8.0, 30.0)),
-    "F8j": durations("fig08", lambda v, _: 5.0 + v, lambda v, _: 5.0 + 0.01 * v),
-    "F9a": durations("fig09", falling, rising),
-    "F9b": durations("fig09", lambda f, k: NAN if f > 2.0 and k < 10.0 else 5.0, 5.0),
-    "F9c": durations(
+    "F8e": case("fig09", lambda f, _: 10.0 / f, lambda f, _: 10.0 * f),
+    "F8f": case("rubbing", within(0.0, 0.6), 5.0),
+    "F8g": case("fig08", lambda v, k: 5.0 if k > 3.0 + v else NAN, within(5.0, 30.0)),
+    "F8h": case("fig08", lambda _, k: 1.0 / k, lambda _, k: k, of="tilt_max"),
+    "F8i": case(
+        "fig08", lambda _, k: 1.0 / k, lambda _, k: k, of="tilt_max", tau=within(8.0, 30.0)
+    ),
+    "F8j": case("fig08", lambda v, _: 5.0 + v, lambda v, _: 5.0 + 0.01 * v),
+    "F9a": case("fig09", falling, rising),
+    "F9b": case("fig09", lambda f, k: NAN if f > 2.0 and k < 10.0 else 5.0, 5.0),
+    "F9c": case(
         "fig09",
         within(10.0, 30.0, lambda _, k: 4.0 + 40.0 / (k - 8.0)),
         within(10.0, 30.0, lambda _, k: 6.0 - 0.01 * k),
     ),
-    "F9d": durations(
+    "F9d": case(
         "fig09",
         within(10.0, 30.0, lambda f, k: 4.0 + f * 20.0 / k),
         within(10.0, 30.0, lambda f, k: 4.0 + 20.0 / (f * k)),
     ),
-    "F9e": values("fig09", "tilt_max", lambda _, k: 1.0 / k, lambda _, k: k),
-    "F9f": durations("fig09", falling, rising),
-    "F9g": values("fig09", "tilt_max", lambda _, k: 0.001 + 1.0 / k**2, 0.2),
-    "F9h": durations(
+    "F9e": case("fig09", lambda _, k: 1.0 / k, lambda _, k: k, of="tilt_max"),
+    "F9f": case("fig09", falling, rising),
+    "F9g": case("fig09", lambda _, k: 0.001 + 1.0 / k**2, 0.2, of="tilt_max"),
+    "F9h": case(
         "fig09",
         within(10.0, 30.0, lambda _, k: 4.0 + 40.0 / (k - 8.0)),
         within(10.0, 30.0, lambda _, k: 9.0 - 0.001 * k**2),
     ),
-    "F10": durations("fig10", rising, falling),
-    "F11a": durations("fig11", lambda m, d: 9.0 - 20.0 * d + m, lambda _, d: 2.0 + abs(d - 0.09)),
-    "F11b": durations(
+    "F10": case("fig10", rising, falling),
+    "F11a": case("fig11", lambda m, d: 9.0 - 20.0 * d + m, lambda _, d: 2.0 + abs(d - 0.09)),
+    "F11b": case(
         "fig11", lambda m, d: 9.0 - 20.0 * d + 10.0 * m, lambda m, d: 9.0 - 20.0 * d - 10.0 * m
     ),
-    "F11c": durations("fig11", lambda _, d: 9.0 - 20.0 * d, lambda _, d: 9.0 + 20.0 * d),
-    "F11d": durations("fig11", lambda m, d: 9.0 - 20.0 * d + m, lambda m, d: 9.0 - 200.0 * m * d),
-    "C6": durations("fig11", lambda _, d: 0.5 / d, lambda _, d: 9.0 - 20.0 * d),
-    "F12": durations("fig12", lambda d, f: 5.0 + (f - 5.0) ** 2 if d > 0.06 else 5.0, falling),
+    "F11c": case("fig11", lambda _, d: 9.0 - 20.0 * d, lambda _, d: 9.0 + 20.0 * d),
+    "F11d": case("fig11", lambda m, d: 9.0 - 20.0 * d + m, lambda m, d: 9.0 - 200.0 * m * d),
+    "C6": case("fig11", lambda _, d: 0.5 / d, lambda _, d: 9.0 - 20.0 * d),
+    "F12": case("fig12", lambda d, f: 5.0 + (f - 5.0) ** 2 if d > 0.06 else 5.0, falling),
     "F12b": (
-        {**curves("fig06", falling), **curves("fig12", rising)},
-        {**curves("fig06", falling), **curves("fig12", lambda _, f: 40.0 / (1.0 + f))},
+        {**runs("fig06", falling), **runs("fig12", rising)},
+        {**runs("fig06", falling), **runs("fig12", lambda _, f: 40.0 / (1.0 + f))},
     ),
-    "C1b": durations(
+    "C1b": case(
         "by_frequency",
         lambda v, f: 5.0 + abs(f - (3.0 if v > 1.0 else 7.0)),
         lambda v, f: 5.0 + v + abs(f - 3.0),
     ),
-    "F13": durations("fig13", lambda f, k: 5.0 if k > 2.0 * f else NAN, 5.0),
-    "F13b": durations(
+    "F13": case("fig13", lambda f, k: 5.0 if k > 2.0 * f else NAN, 5.0),
+    "F13b": case(
         "fig13",
         lambda f, k: 5.0 if k > 2.0 * f else NAN,
         lambda _, k: 5.0 if round(3.0 * k) % 3 else NAN,
     ),
-    "F14": durations("fig14", lambda v, k: 5.0 if k > v else NAN, NAN),
-    "F14b": durations(
+    "F14": case("fig14", lambda v, k: 5.0 if k > v else NAN, NAN),
+    "F14b": case(
         "fig14", lambda v, k: 5.0 if k > v else NAN, lambda _, k: 5.0 if round(3.0 * k) % 3 else NAN
     ),
-    "C1a": durations(
+    "C1a": case(
         "fig13", lambda f, k: 5.0 if k > 2.0 * f else NAN, lambda f, _: 5.0 if f < 4.0 else NAN
     ),
     "C2": (
-        {**curves("fig08", falling), **curves("fig09", falling)},
-        {**curves("fig08"), **curves("fig09")},
+        {**runs("fig08", falling), **runs("fig09", falling)},
+        {**runs("fig08"), **runs("fig09")},
     ),
     "C2a": (
         {
-            **curves("fig08", within(1.0, 9.9)),
-            **curves("fig06", lambda k, _: 5.0 if k < 10.0 else NAN),
-            **plane("fig13", lambda _, k: 5.0 if k < 10.0 else NAN),
+            **runs("fig08", within(1.0, 9.9)),
+            **runs("fig06", lambda k, _: 5.0 if k < 10.0 else NAN),
+            **runs("fig13", lambda _, k: 5.0 if k < 10.0 else NAN),
         },
-        {**curves("fig08"), **plane("fig14", 5.0)},
+        {**runs("fig08"), **runs("fig14", 5.0)},
     ),
     "C2b": (
-        {**plane("fig13", falling), **plane("fig14", falling)},
-        {**plane("fig13", rising), **plane("fig14", rising)},
+        {**runs("fig13", falling), **runs("fig14", falling)},
+        {**runs("fig13", rising), **runs("fig14", rising)},
     ),
-    "C2c": durations(
+    "C2c": case(
         "fig14", lambda v, k: 5.0 if k < 10.0 + v else NAN, lambda v, k: 5.0 if k > v else NAN
     ),
     "C8": (
-        {**plane("fig13", within(5.0, 25.0)), **plane("fig14", within(5.0, 25.0))},
-        {**plane("fig13", within(5.0, 6.0)), **plane("fig14", within(5.0, 6.0))},
+        {**runs("fig13", within(5.0, 25.0)), **runs("fig14", within(5.0, 25.0))},
+        {**runs("fig13", within(5.0, 6.0)), **runs("fig14", within(5.0, 6.0))},
     ),
-    "C8c": ({**Course().datasets, **curves("fig06")}, curves("fig06", tau_corners_inside=NAN)),
+    "C8c": ({**Course().datasets, **runs("fig06")}, runs("fig06", tau_corners_inside=NAN)),
 }
 
 
@@ -336,20 +325,13 @@ def with_sensitive_noise(datasets: Datasets) -> Datasets:
     """Every fifth point of curves and maps turned into its opposite, and flagged as sensitive."""
     noisy = {}
     for name, dataset in datasets.items():
-        if not dataset["outcome"].ndim:
-            noisy[name] = dataset
-            continue
-        changed = dataset.copy(deep=True)
-        shape = dataset["outcome"].shape
-        hit = (np.arange(np.prod(shape)).reshape(shape) % 5) == 2
-        hit[..., 0] = False  # where a claim looks at one end alone, that end stays known
-        outcome = changed["outcome"].values
-        outcome[hit] = 1 - outcome[hit]
-        changed["outcome"].values[:] = outcome
-        for variable in set(changed.data_vars) - {"outcome", "sensitive"}:
-            values = changed[variable].values
-            values[hit] = (37 * np.arange(hit.sum()) % 100).astype(values.dtype)
-        changed["tau_align"].values[outcome == 1] = NAN
-        changed["sensitive"].values[hit] = 1
-        noisy[name] = changed
+        outcome = dataset["outcome"]
+        hit = xr.zeros_like(outcome, dtype=bool)
+        # Where a claim looks at one end alone, that end stays known.
+        if outcome.ndim:
+            hit.values[...] = np.arange(outcome.size).reshape(outcome.shape) % 5 == 2
+            hit.values[..., 0] = False
+        changed = dataset.where(~hit, 37.0)
+        changed["outcome"] = xr.where(hit, 1 - outcome, outcome)
+        noisy[name] = changed.assign(sensitive=hit.astype(np.int8))
     return noisy

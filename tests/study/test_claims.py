@@ -4,15 +4,16 @@ import math
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 
 from model.events.outcomes import Unvibrated
-from model.study.claims import CLAIMS, VERDICTS, Judgement, judge, tally
+from model.study.claims import CLAIMS, VERDICTS, Judgement, Tables, judge, tally
 from model.study.claims.claims import ClaimsError, claims_of, limit_of
-from model.study.claims.data import Data, between
+from model.study.claims.data import table_of
 from model.study.claims.ledger import judge_claim, ledger_text, lines_of, read_ledger
-from model.study.claims.measures import explained, trend
+from model.study.claims.statistics import explained, trend
 from model.study.config import FIGURES, load_study, study_path
 from model.study.plans import sweep_of
 from model.sweeps.sweep import TRACK_QUANTITIES, merge, run
@@ -21,10 +22,10 @@ from tests.study.claims_data import (
     NAN,
     Course,
     bump,
-    curves,
     falling,
-    plane,
     ragged,
+    rising,
+    runs,
     with_sensitive_noise,
 )
 
@@ -33,7 +34,7 @@ CHECKED = [claim.id for claim in CLAIMS if claim.check is not None]
 
 
 def found(claim: str, datasets: dict[str, xr.Dataset]) -> Judgement:
-    return judge_claim(BY_ID[claim], Data(datasets))
+    return judge_claim(BY_ID[claim], Tables.of(datasets))
 
 
 def test_every_claim_has_made_up_data() -> None:
@@ -62,14 +63,14 @@ def test_without_its_data_a_claim_is_not_checkable(claim: str) -> None:
 
 
 def test_what_cannot_be_measured_says_why() -> None:
-    for claim, judgement in judge({}):
+    for claim, judgement in judge(Tables({})):
         if claim.check is None:
             assert judgement.verdict == "not checkable"
             assert judgement.seen == claim.limit.reason
 
 
 def test_some_parts_of_a_claim_make_it_mixed() -> None:
-    mixed = found("F6d", curves("fig06", lambda k, f: falling(k, f) if k < 6.0 else 1.0 + f))
+    mixed = found("F6d", runs("fig06", lambda k, f: falling(k, f) if k < 6.0 else 1.0 + f))
     assert mixed.verdict == "mixed"
     assert -1.0 < mixed.margin < 0.0
     assert mixed.value == pytest.approx(1.0), "the part that decides is the worst"
@@ -77,19 +78,19 @@ def test_some_parts_of_a_claim_make_it_mixed() -> None:
 
 
 def test_a_curve_that_never_aligns_contradicts_what_is_said_of_it() -> None:
-    judgement = found("F6d", curves("fig06", NAN))
+    judgement = found("F6d", runs("fig06", NAN))
     assert judgement.verdict == "contradicted"
     assert judgement.margin == -1.0
     assert judgement.seen == "k_φ = 5: nothing to measure; k_φ = 7: nothing to measure"
 
 
 def test_curves_that_a_claim_names_may_be_missing() -> None:
-    family = curves("fig06")["fig06"].isel(tilt_stiffness=[3])
+    family = runs("fig06")["fig06"].isel(tilt_stiffness=[3])
     judgement = found("F6d", {"fig06": family})
     assert judgement.verdict == "not checkable"
-    assert "no curve between 5 and 7" in judgement.seen
-    without = {"fig06": curves("fig06")["fig06"].drop_vars("unvibrated")}
-    assert "has no unvibrated" in found("M4b", without).seen
+    assert "no run with 5 <= tilt_stiffness <= 7" in judgement.seen
+    without = {"fig06": runs("fig06")["fig06"].drop_vars("unvibrated")}
+    assert "no column for 'unvibrated == 1" in found("M4b", without).seen
 
 
 def one_run(**changed: float) -> dict[str, xr.Dataset]:
@@ -101,7 +102,7 @@ def one_run(**changed: float) -> dict[str, xr.Dataset]:
 
 
 ALIGNS_UNVIBRATED, TOPPLES_UNVIBRATED = (
-    curves("fig06", unvibrated=float(end), unvibrated_tilt=NAN)
+    runs("fig06", unvibrated=float(end), unvibrated_tilt=NAN)
     for end in (Unvibrated.ALIGNS, Unvibrated.LEAVES)
 )
 
@@ -110,11 +111,11 @@ ALIGNS_UNVIBRATED, TOPPLES_UNVIBRATED = (
     ("claim", "datasets", "verdict"),
     [
         # A ragged curve has no rise within a small range; a coarse one may.
-        ("F6b", curves("fig06", ragged), "contradicted"),
-        ("F6b", curves("fig06", bump, points=25), "reproduced"),
+        ("F6b", runs("fig06", ragged), "contradicted"),
+        ("F6b", runs("fig06", bump, points=25), "reproduced"),
         # More force is to be faster where the tilt spring is stiff.
-        ("F8e", curves("fig09", lambda f, k: 10.0 * f if k < 10 else 10.0 / f), "reproduced"),
-        ("F8e", curves("fig09", lambda f, k: 10.0 / f if k < 10 else 10.0 * f), "contradicted"),
+        ("F8e", runs("fig09", lambda f, k: 10.0 * f if k < 10 else 10.0 / f), "reproduced"),
+        ("F8e", runs("fig09", lambda f, k: 10.0 / f if k < 10 else 10.0 * f), "contradicted"),
         # One run that does not align contradicts the drop of the force, and shows nothing of a
         # history that did not begin.
         ("F5e", one_run(outcome=1, tau_align=NAN), "contradicted"),
@@ -122,14 +123,14 @@ ALIGNS_UNVIBRATED, TOPPLES_UNVIBRATED = (
         # A part jammed between both edges does not rest on one.
         (
             "M4",
-            curves("pressed", NAN, side_force_max=lambda k, _: 1.0 if k == 7.0 else 0.0),
+            runs("pressed", NAN, side_force_max=lambda k, _: 1.0 if k == 7.0 else 0.0),
             "mixed",
         ),
         # What aligns or topples unvibrated is no vibratory alignment.
         ("M4b", ALIGNS_UNVIBRATED, "contradicted"),
         ("M4b", TOPPLES_UNVIBRATED, "contradicted"),
-        ("M4b", {**ALIGNS_UNVIBRATED, **curves("fig07")}, "mixed"),
-        ("M4b", {**TOPPLES_UNVIBRATED, **curves("fig07")}, "mixed"),
+        ("M4b", {**ALIGNS_UNVIBRATED, **runs("fig07")}, "mixed"),
+        ("M4b", {**TOPPLES_UNVIBRATED, **runs("fig07")}, "mixed"),
     ],
 )
 def test_where_a_claim_turns(claim, datasets, verdict) -> None:
@@ -151,7 +152,7 @@ def test_a_margin_grows_with_the_number_and_stays_bounded() -> None:
 def test_the_margin_of_a_claim_is_continuous_where_a_part_changes_sides() -> None:
     def margin(shift: float) -> float:
         # The share of aligning points of one curve passes the threshold, that of the others stays.
-        data = curves("fig09", lambda f, k: NAN if f > 2.0 and k < 10.0 else 5.0, points=2001)
+        data = runs("fig09", lambda f, k: NAN if f > 2.0 and k < 10.0 else 5.0, points=2001)
         aligned = (data["fig09"]["tilt_stiffness"] > 10.0 - shift).values
         data["fig09"]["outcome"].values[1] = np.where(aligned, 0, 1)
         return found("F9b", data).margin
@@ -162,7 +163,7 @@ def test_the_margin_of_a_claim_is_continuous_where_a_part_changes_sides() -> Non
 
 
 def test_the_areas_of_a_map_hang_together_across_sensitive_cells() -> None:
-    datasets = plane("fig13", lambda f, k: 5.0 if k > 2.0 * f else NAN)
+    datasets = runs("fig13", lambda f, k: 5.0 if k > 2.0 * f else NAN)
     datasets["fig13"]["outcome"].values[:, 15] = 1
     assert found("F13b", datasets).verdict == "contradicted", "a gap parts the area in two"
     datasets["fig13"]["sensitive"].values[:, 15] = 1
@@ -171,12 +172,11 @@ def test_the_areas_of_a_map_hang_together_across_sensitive_cells() -> None:
 
 def test_trend_is_kendalls_rank_correlation() -> None:
     x = np.arange(6.0)
-    assert trend(x, np.array([1.0, 2.0, 3.0, 5.0, 4.0, 6.0])) == pytest.approx(13 / 15)
-    assert trend(x, -x) == -1.0
-    assert trend(x, 1.0 + 1e-6 * x) == 0.0, "what cannot be told apart is equal"
-    assert trend(x, np.array([1.0, NAN, 2.0, NAN, NAN, 3.0])) == 1.0
-    assert math.isnan(trend(x, np.full(6, NAN)))
-    assert trend(x, np.array([x, -x, np.full(6, NAN)])) == 0.0, "mean over rows that are known"
+    assert trend(np.array([1.0, 2.0, 3.0, 5.0, 4.0, 6.0]), x) == pytest.approx(13 / 15)
+    assert trend(-x, x) == -1.0
+    assert trend(1.0 + 1e-6 * x, x) == 0.0, "what cannot be told apart is equal"
+    assert trend(np.array([1.0, NAN, 2.0, NAN, NAN, 3.0]), x) == 1.0
+    assert math.isnan(trend(np.full(6, NAN), x))
 
 
 def test_explained_variance() -> None:
@@ -208,36 +208,26 @@ claims:
     stated: Fig. 6
     statement: it falls
     measure: trend
-    check: {CHECK}
+    check: {figures: [fig06], of: tau, CHECK}
 """
 
 
 @pytest.mark.parametrize(
     ("check", "message"),
     [
-        ("figures: [fig06], number: tendency, must: visible", "X1: number = 'tendency': must be"),
-        ("figures: [fig06], number: trend_along, colum: tau, must: visible", "argument 'colum'"),
-        ("figures: [fig06], number: trend_along, must: glaring", "X1: 'glaring'"),
-        ("figures: [fig06], number: trend_along, must: {least: 1, scale: 0, reason: r}", "scale"),
-        ("number: trend_along, must: visible", "X1: 'figures'"),
-        ("figures: [fig06, fig07], number: deepest_minimum, must: visible", "too many positional"),
-        ("figures: [fig06], number: trend_along, must: visible}\n    colour: {", "unknown colour"),
+        ("number: tendency, must: visible", "X1: number = 'tendency': must be"),
+        ("number: spread, colum: tau, must: visible", "argument 'colum'"),
+        ("number: trend, must: visible", "argument: 'over'"),
+        ("number: spread, combine: sum, must: visible", "combine = 'sum'"),
+        ("number: spread, must: glaring", "X1: 'glaring'"),
+        ("number: spread, must: {least: 1, scale: 0, reason: r}", "scale"),
+        ("number: spread", "X1: 'must'"),
+        ("number: spread, must: visible}\n    colour: {", "unknown colour"),
     ],
 )
 def test_a_table_of_claims_that_breaks_a_rule_is_refused(check: str, message: str) -> None:
     with pytest.raises(ClaimsError, match=message):
         claims_of(TABLE.replace("CHECK", check))
-
-
-def test_ranges_are_read_as_they_are_written() -> None:
-    assert between("5 to 7") == (5.0, 7.0)
-    assert between(2) == between("2.0") == (2.0, 2.0)
-    assert between("<= 2") == (-math.inf, 2.0)
-    below = between("< 2").high
-    assert below < 2.0 == np.nextafter(below, 3.0)
-    assert between("> 0").low > 0.0 == between(">= 0").low
-    with pytest.raises(ValueError, match="'about 2' is no range"):
-        between("about 2")
 
 
 def test_tally_counts_every_verdict() -> None:
@@ -246,11 +236,57 @@ def test_tally_counts_every_verdict() -> None:
     assert tally([]).count(" 0") == len(VERDICTS)
 
 
+# --- The tables -----------------------------------------------------------------------------------
+
+
+def test_a_table_has_the_runs_of_one_sweep() -> None:
+    dataset = runs("fig06", falling)["fig06"]
+    dataset["starts"] = (("start", "half_width_of_start"), np.ones((3, 4)))  # of another sweep
+    table = table_of(dataset)
+    assert len(table) == dataset["outcome"].size
+    assert "starts" not in table
+    first = table.iloc[0]
+    assert first["curve"] == first["tilt_stiffness"] == 5.0
+    assert first["tau"] == dataset["tau_align"].values[0, 0]
+    assert set(table_of(runs("fig13")["fig13"])["curve"]) == {0.0}, "a map is no curve"
+
+
+def test_the_table_of_a_history_ends_as_the_part_aligns() -> None:
+    table = table_of(Course().datasets["fig05"])
+    assert table["time"].iloc[-1] == table["tau"].iloc[-1] == 10.0
+    assert table["tilt"].iloc[-1] == pytest.approx(0.101)
+
+
+def test_tables_of_several_devices_are_judged_one_by_one() -> None:
+    alone = [runs("fig06", falling), runs("fig06", rising), runs("fig06", bump)]
+    tables = [table_of(each["fig06"]).assign(device=row) for row, each in enumerate(alone)]
+    together = Tables({"fig06": pd.concat(tables)})
+    for row, datasets in enumerate(alone):
+        expected = repr(judge(Tables.of(datasets)))
+        assert repr(judge(together.at(row))) == expected
+        assert repr(judge(Tables(together.at(row).alone()))) == expected
+
+
+@pytest.mark.parametrize("claim", CHECKED)
+def test_sensitive_runs_alone_show_nothing(claim: str) -> None:
+    datasets = {
+        name: dataset.assign(sensitive=xr.ones_like(dataset["outcome"]))
+        for name, dataset in CASES[claim][0].items()
+    }
+    assert found(claim, datasets).verdict == "contradicted"
+
+
+def test_a_curve_of_sensitive_runs_counts_against_what_is_said_of_it() -> None:
+    curves = runs("fig06", falling)
+    curves["fig06"]["sensitive"].values[1] = 1
+    assert found("F6d", curves).seen == "k_φ = 5: -1; k_φ = 7: nothing to measure"
+
+
 # --- The ledger on disk -------------------------------------------------------------------------
 
 
 def test_the_ledger_is_read_as_it_was_written(tmp_path: Path) -> None:
-    lines = lines_of(judge({**curves("fig06", bump), **curves("fig11")}))
+    lines = lines_of(judge(Tables.of({**runs("fig06", bump), **runs("fig11")})))
     path = tmp_path / "claims.csv"
     path.write_text(ledger_text(lines), encoding="utf-8")
     assert read_ledger(path) == lines

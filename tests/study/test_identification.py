@@ -8,7 +8,7 @@ import sys
 import numpy as np
 import pytest
 
-from model.study.claims import CLAIMS, judge
+from model.study.claims import CLAIMS, Tables, judge
 from model.study.claims.ledger import Judgement
 from model.study.config import FIGURES, Study, check_study, load_study, read_study, study_path
 from model.study.config.identification import Round, Stage
@@ -161,7 +161,7 @@ def test_the_choice_is_near_the_best_of_all_combinations(space):
             points=random.random((4, len(space.problem.operating_points[name]))),
             shorts=random.random((4, len(CLAIMS))),
             numbers=np.column_stack([random.random((4, 5)), np.zeros(4)]),
-            datasets=[],
+            tables=Tables({}),
         )
         for name in names
     }
@@ -207,8 +207,8 @@ def test_a_part_is_the_same_whenever_it_is_computed(space, found, tmp_path):
 
 def test_small_steps_keep_the_best_set_and_count_a_missed_limit(space, found, tmp_path):
     path = tmp_path / "judged.json"
-    choice, datasets = search.polish(space, [COARSE], 0, 0, found)
-    path.write_text(scored_text(space, choice, datasets))
+    choice, tables = search.polish(space, [COARSE], 0, 0, found)
+    path.write_text(scored_text(space, choice, tables))
     judged = read_scored(space, [path])
     assert judged.points[0] == pytest.approx(found.points[0], abs=1e-12)
     assert judged.shortfalls[0] == pytest.approx(choice.shortfall + 1.0)
@@ -220,17 +220,17 @@ def test_small_steps_keep_the_best_set_and_count_a_missed_limit(space, found, tm
     assert 0.0 < np.abs(moved.point - judged.points[0])[:7].max() < 0.2
 
 
-def test_a_set_judged_at_last_has_the_verdicts_of_its_datasets(space, found, tmp_path):
-    choice, datasets = search.final(space, [COARSE], 0, found)
+def test_a_set_judged_at_last_has_the_verdicts_of_its_tables(space, found, tmp_path):
+    choice, tables = search.final(space, [COARSE], 0, found)
     paths = []
     for number in range(2):
         paths.append(tmp_path / f"{number}.json")
-        paths[-1].write_text(scored_text(space, choice, datasets))
+        paths[-1].write_text(scored_text(space, choice, tables))
     texts = summary_texts(space, paths)
-    verdicts = [judgement.verdict for _, judgement in judge(datasets)]
+    verdicts = [judgement.verdict for _, judgement in judge(tables)]
     row = dict(zip(*(line.split(",") for line in texts["sets"].splitlines()[:2]), strict=True))
     judged = {
-        name: candidates.numbers_of(name, datasets, space.values(choice.point))
+        name: candidates.numbers_of(name, tables, space.values(choice.point))
         for name in space.figures
     }
     assert float(row["meets_limits"]) == candidates.meets_limits(space.problem, judged)

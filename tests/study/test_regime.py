@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from model.events.outcomes import Unvibrated
-from model.study.claims.data import Data, MissingDataError
+from model.study.claims.data import MissingDataError, Tables
 from model.study.claims.regime import Regime, regime_of
-from tests.study.claims_data import NAN, curves
+from tests.study.claims_data import NAN, runs
 
 
 def test_every_number_is_a_share_or_a_tilt_of_the_aligned_points() -> None:
@@ -15,7 +15,7 @@ def test_every_number_is_a_share_or_a_tilt_of_the_aligned_points() -> None:
     def ends(_: float, f: float) -> float:
         return float(Unvibrated.ALIGNS if f < 1.2 else Unvibrated.LEAVES if f < 2.2 else 1)
 
-    made = curves(
+    made = runs(
         "fig06",
         lambda _, f: 5.0 if f < 5.2 else NAN,
         unvibrated=ends,
@@ -24,7 +24,7 @@ def test_every_number_is_a_share_or_a_tilt_of_the_aligned_points() -> None:
         tau_corners_inside=lambda _, f: NAN if f > 4.9 else 5.1,
         separations=lambda _, f: 2.0 if f < 0.6 else 0.0,
     )
-    found = regime_of(Data(made), "fig06")
+    found = regime_of(Tables.of(made), "fig06")
     assert found == pytest.approx(
         Regime(
             aligned=20 / 40,
@@ -35,9 +35,9 @@ def test_every_number_is_a_share_or_a_tilt_of_the_aligned_points() -> None:
 
 
 def test_without_aligned_points_or_twins_there_is_no_regime() -> None:
-    never = regime_of(Data(curves("fig06", NAN)), "fig06")
+    never = regime_of(Tables.of(runs("fig06", NAN)), "fig06")
     assert never.aligned == 0.0
     assert np.isnan(never[1:]).all()
-    without = {"fig06": curves("fig06")["fig06"].drop_vars("unvibrated")}
-    with pytest.raises(MissingDataError, match="has no unvibrated"):
-        regime_of(Data(without), "fig06")
+    without = {"fig06": runs("fig06")["fig06"].drop_vars("unvibrated")}
+    with pytest.raises(MissingDataError, match="has no column for"):
+        regime_of(Tables.of(without), "fig06")

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from model.study.claims import judge
+from model.study.claims import Tables, judge
 from model.study.claims.ledger import ledger_text, lines_of
 from model.sweeps.files import write_text
 from model.sweeps.io import read_dataset
@@ -10,4 +10,5 @@ from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake):
     datasets = {Path(file).stem: read_dataset(Path(file)) for file in snakemake.input}
-    write_text(ledger_text(lines_of(judge(datasets))), Path(snakemake.output.table))
+    lines = lines_of(judge(Tables.of(datasets)))
+    write_text(ledger_text(lines), Path(snakemake.output.table))

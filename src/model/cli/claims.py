@@ -1,7 +1,6 @@
 """``vibralign claims``: judge the claims of the paper by the data on disk."""
 
 import argparse
-from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -10,7 +9,7 @@ from model.cli.arguments import add_command, add_json, add_root
 from model.cli.tables import print_json, table
 
 if TYPE_CHECKING:
-    import xarray as xr
+    from model.study.claims import Tables
 
 
 def add(commands: Any) -> None:
@@ -38,7 +37,7 @@ def add(commands: Any) -> None:
 
 def _claims(arguments: argparse.Namespace) -> int:
     # Imported here: importing xarray takes a second that no other command should wait for.
-    from model.study.claims import judge, tally  # noqa: PLC0415
+    from model.study.claims import Tables, judge, tally  # noqa: PLC0415
     from model.study.claims.ledger import lines_of  # noqa: PLC0415
     from model.sweeps.io import read_dataset  # noqa: PLC0415
 
@@ -51,10 +50,10 @@ def _claims(arguments: argparse.Namespace) -> int:
             f"--root {arguments.root}: holds no datasets of the study; build it (make), or name "
             "its results root"
         )
-    datasets = {path.stem: read_dataset(path) for path in files}
+    tables = Tables.of({path.stem: read_dataset(path) for path in files})
     if arguments.regime:
-        return _regime(datasets, arguments.json)
-    lines = lines_of(judge(datasets))
+        return _regime(tables, arguments.json)
+    lines = lines_of(judge(tables))
     if arguments.json:
         print_json([asdict(line) for line in lines])
         return 0
@@ -74,16 +73,16 @@ def _claims(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _regime(datasets: "Mapping[str, xr.Dataset]", as_json: bool) -> int:
-    from model.study.claims.data import Data, MissingDataError  # noqa: PLC0415
+def _regime(tables: "Tables", as_json: bool) -> int:
+    from model.study.claims.data import MissingDataError  # noqa: PLC0415
     from model.study.claims.regime import regime_of  # noqa: PLC0415
 
-    data, rows = Data(datasets), []
-    for figure in datasets:
+    rows = []
+    for figure in tables.frames:
         try:
-            regime = regime_of(data, figure)
+            regime = regime_of(tables, figure)
         except MissingDataError as missing:
-            raise ValueError(f"{figure}: {missing}; build it again (make)") from None
+            raise ValueError(f"{missing}; build it again (make)") from None
         numbers = {name: round(value, 3) for name, value in regime._asdict().items()}
         rows.append({"figure": figure, **numbers})
     if as_json:

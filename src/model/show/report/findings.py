@@ -12,8 +12,7 @@ from model.events.outcomes import REASON_TEXT, Outcome, Reason
 from model.show import jamming as jamming_plot
 from model.show.report.section import Results, Section, Table, settings_of
 from model.show.words import figure_title, percent
-from model.study.claims import VERDICTS, tally
-from model.study.claims.data import Data
+from model.study.claims import VERDICTS, Tables, tally
 from model.study.claims.ledger import read_ledger
 from model.study.claims.regime import regime_of
 from model.study.config.figures import COMPUTED
@@ -50,7 +49,7 @@ def vibration(results: Results) -> Section:
 
 
 def _shares(name: str, dataset: xr.Dataset) -> Sequence[object]:
-    regime = regime_of(Data({name: dataset}), name)
+    regime = regime_of(Tables.of({name: dataset}), name)
     outcome = dataset["outcome"].values
     shares = regime.static, overshoot_of(dataset), regime.not_resting
     *unvibrated, corners, lift_offs = (

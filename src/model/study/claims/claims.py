@@ -1,29 +1,19 @@
 """The claims of the paper, as ``claims.yaml`` states them; its form is checked here.
 
-A check computes a number for each curve of the first figure (``measures.OF_CURVE``), for each
-figure (``measures.OF_FIGURE``), or for all figures together (``comparisons.OF_CLAIM``). ``ledger``
-compares it with the claim's limit. Curves may be restricted to those in a range (``curves``) or to
-one (``curve``). ``combine`` makes one number of the curves of all figures; ``beyond`` subtracts the
-largest number of other curves. Thresholds follow from the paper's wording and from the resolution
-of a printed figure, never from the outcome.
+A claim's check computes numbers, and ``ledger`` compares them with its limit. Thresholds follow
+from the paper's wording and from the resolution of a printed figure, never from the outcome.
 """
 
-import inspect
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import partial
+from fractions import Fraction
 from importlib import resources
 from typing import Any
 
-import numpy as np
-
-from model.study.claims.comparisons import OF_CLAIM, Parts
-from model.study.claims.data import NAN, Array, Curve, Data, MissingDataError
-from model.study.claims.measures import OF_CURVE, OF_FIGURE, Number, View, median
+from model.study.claims.check import Check, check_of
 from model.sweeps.files import parse_yaml
 
-Check = Callable[[Data, Sequence[str]], Parts]
 EVERY_FIGURE = tuple(f"fig{number:02}" for number in range(5, 15))
 _KINDS = {
     "stated": "stated in figure text",
@@ -79,11 +69,7 @@ class Claim:
         figures: figures, and runs made for the claims, by which it is judged; the first shows it.
         measure: the number in words.
         limit: the demand on the number.
-        check: function of the data and figures that returns the number of each part of the claim
-            by the part's name, "" for the whole; None if nothing can be measured. NaN where the
-            data lack what the paper describes, such as the duration of a part that never aligns;
-            this counts against the claim.
-        compares: True if the check compares its figures: it needs the datasets of all.
+        check: the number; None if nothing can be measured.
     """
 
     id: str
@@ -94,104 +80,18 @@ class Claim:
     measure: str
     limit: Limit
     check: Check | None
-    compares: bool = False
 
-
-# --- The check ----------------------------------------------------------------------------------
-
-
-def _difference(values: Array) -> float:
-    return float(values.max() - values.min()) if values.size > 1 else NAN
-
-
-def _relative_difference(values: Array) -> float:
-    if values.size < 2 or values.mean() == 0.0:
-        return NAN
-    return float(np.ptp(values) / abs(values.mean()))
-
-
-_COMBINED: Mapping[str, Callable[[Array], float]] = {
-    "difference": _difference,
-    "relative difference": _relative_difference,
-    "median": median,
-}
-
-
-def _of_curves(
-    number: Callable[[Curve], float],
-    data: Data,
-    figures: Sequence[str],
-    curves: str | list[float] = "any",
-    curve: float | None = None,
-    combine: str = "",
-    beyond: str = "",
-) -> Parts:
-    def known(curves: Sequence[Curve]) -> Array:
-        values = np.array([number(each) for each in curves])
-        return values[~np.isnan(values)]
-
-    if curve is not None:
-        return {"": number(data.curves(figures[0], curve)[0])}
-    if combine:
-        together = [each for name in figures for each in data.curves(name, curves)]
-        return {"": _COMBINED[combine](known(together))}
-    parts = {each.name: number(each) for each in data.curves(figures[0], curves)}
-    if not beyond:
-        return parts
-    largest = max(known(data.curves(figures[0], beyond)), default=NAN)
-    return {where: float(value - largest) for where, value in parts.items()}
-
-
-def _of_figures(
-    view: View, number: Number, data: Data, figures: Sequence[str], needs_all: bool
-) -> Parts:
-    """Return the number of each figure; without ``needs_all``, figures may lack a dataset."""
-    needed = needs_all or len(figures) == 1
-    used = [name for name in figures if needed or name in data.datasets]
-    if not used:
-        raise MissingDataError(f"there is no dataset of {', '.join(figures)}")
-    return {
-        f"Fig. {int(name[3:])}" if len(figures) > 1 else "": number(view(data, name))
-        for name in used
-    }
-
-
-def _of_claim(number: Callable[..., Parts | float], data: Data, figures: Sequence[str]) -> Parts:
-    parts = number(data, *figures)
-    return {"": parts} if isinstance(parts, float) else parts
-
-
-def _check_of(name: str, figures: Sequence[str], arguments: dict[str, Any]) -> Check:
-    """Return the check that calls the function of this name.
-
-    Raises:
-        ValueError: there is no function of this name.
-        TypeError: the function does not take the arguments.
-    """
-
-    def bound(number: Callable[..., Any], *given: Any) -> Callable[..., Any]:
-        inspect.signature(number).bind(*given, **arguments)
-        return partial(number, **arguments)
-
-    if name in OF_CURVE:
-        of_curves = ("curves", "curve", "combine", "beyond")
-        chosen = {key: arguments.pop(key) for key in of_curves if key in arguments}
-        return partial(_of_curves, bound(OF_CURVE[name], None), **chosen)
-    if name in OF_FIGURE:
-        needs_all = arguments.pop("all", False)
-        view, number = OF_FIGURE[name]
-        return partial(_of_figures, view, bound(number, None), needs_all=needs_all)
-    if name in OF_CLAIM:
-        return partial(_of_claim, bound(OF_CLAIM[name], None, *figures))
-    names = ", ".join((*OF_CURVE, *OF_FIGURE, *OF_CLAIM))
-    raise ValueError(f"number = {name!r}: must be one of {names}")
+    @property
+    def compares(self) -> bool:
+        """True if its figures are compared, so that it says nothing of one of them alone."""
+        return self.check is not None and self.check.together
 
 
 # --- The table ----------------------------------------------------------------------------------
 
 
 def limit_of(stated: Mapping[str, Any]) -> Limit:
-    """Return the limit that is stated as {least or most, scale, reason}.
+    """Return the limit that is stated as {least or most, scale, reason}; 1/3 is a threshold, too.
 
     Raises:
         KeyError: the scale or the reason is missing.
@@ -202,7 +102,8 @@ def limit_of(stated: Mapping[str, Any]) -> Limit:
     extra = set(stated) - {"least", "most", "scale", "reason"}
     if extra or not stated["scale"] > 0.0:
         raise ValueError(f"limit {dict(stated)}: must be {{least or most, scale > 0, reason}}")
-    return Limit(float(threshold), least, float(stated["scale"]), str(stated["reason"]))
+    exact = float(Fraction(str(threshold)))
+    return Limit(exact, least, float(stated["scale"]), str(stated["reason"]))
 
 
 def _demanded(must: str | Mapping[str, Any], named: Mapping[str, Limit]) -> Limit:
@@ -221,13 +122,10 @@ def _claim(name: str, stated: dict[str, Any], named: Mapping[str, Limit]) -> Cla
         limit = Limit(math.nan, True, 1.0, stated.pop("unmeasured"))
         claim = Claim(*said, (), "", limit, None)
     else:
-        arguments = dict(stated.pop("check"))
-        limit = _demanded(arguments.pop("must"), named)
-        figures = arguments.pop("figures")
+        check = dict(stated.pop("check"))
+        figures, limit = check.pop("figures"), _demanded(check.pop("must"), named)
         figures = EVERY_FIGURE if figures == "every figure" else tuple(figures)
-        number = arguments.pop("number")
-        check = _check_of(number, figures, arguments)
-        claim = Claim(*said, figures, stated.pop("measure"), limit, check, number in OF_CLAIM)
+        claim = Claim(*said, figures, stated.pop("measure"), limit, check_of(check))
     if stated:
         raise ValueError(f"unknown {', '.join(stated)}")
     return claim

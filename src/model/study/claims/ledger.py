@@ -1,17 +1,14 @@
 """Verdicts of the datasets on the claims, and their table ``claims.csv``."""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, get_args
+from typing import Literal, get_args
 
 from model.study.claims.claims import CLAIMS, Claim
-from model.study.claims.data import Data, MissingDataError
+from model.study.claims.data import MissingDataError, Tables
 from model.study.csv_tables import read_records, records_text
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 Verdict = Literal["reproduced", "mixed", "contradicted", "not checkable"]
 VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
@@ -36,12 +33,12 @@ class Judgement:
     seen: str
 
 
-def judge_claim(claim: Claim, data: Data) -> Judgement:
-    """Return the verdict of ``data`` on one claim."""
+def judge_claim(claim: Claim, tables: Tables) -> Judgement:
+    """Return the verdict of the tables on one claim."""
     if claim.check is None:
         return Judgement(math.nan, math.nan, "not checkable", claim.limit.reason)
     try:
-        parts = claim.check(data, claim.figures)
+        parts = claim.check.numbers(tables, claim.figures)
     except MissingDataError as missing:
         return Judgement(math.nan, math.nan, "not checkable", f"{missing}")
     margins = {where: claim.limit.margin(value) for where, value in parts.items()}
@@ -62,16 +59,9 @@ def _shown(value: float) -> str:
     return "nothing to measure" if math.isnan(value) else f"{value:.3g}"
 
 
-def judge(datasets: "Mapping[str, xr.Dataset]") -> tuple[tuple[Claim, Judgement], ...]:
-    """Return every claim of the paper with its verdict.
-
-    Args:
-        datasets: by name: of figures ("fig06", from ``data/fig06.nc``) and of runs made for the
-            claims ("pressed", from ``data/claims/pressed.nc``), of any grid. A claim whose dataset
-            is missing is not checkable.
-    """
-    data = Data(datasets)
-    return tuple((claim, judge_claim(claim, data)) for claim in CLAIMS)
+def judge(tables: Tables) -> tuple[tuple[Claim, Judgement], ...]:
+    """Return every claim of the paper with its verdict, "not checkable" without its tables."""
+    return tuple((claim, judge_claim(claim, tables)) for claim in CLAIMS)
 
 
 def tally(verdicts: Sequence[str]) -> str:

@@ -9,7 +9,8 @@ import numpy as np
 
 from model.events.outcomes import Unvibrated
 from model.study.claims.claims import CLAIMS
-from model.study.claims.data import NAN, Data
+from model.study.claims.data import Tables
+from model.study.claims.statistics import NAN, share
 
 _CHECKS = {claim.id: claim.check for claim in CLAIMS if claim.check}
 
@@ -38,7 +39,7 @@ class Regime(NamedTuple):
     lift_offs: float
 
 
-def regime_of(data: Data, figure: str) -> Regime:
+def regime_of(tables: Tables, figure: str) -> Regime:
     """Return the regime of a figure.
 
     Raises:
@@ -46,16 +47,17 @@ def regime_of(data: Data, figure: str) -> Regime:
     """
 
     def number(claim: str) -> float:
-        return float(_CHECKS[claim](data, [figure])[""])
+        return _CHECKS[claim].numbers(tables, [figure])[""]
 
-    points = data.points(figure)
-    tilts = np.abs(points.column("tilt_at_alignment", aligned=True))
+    aligned, unvibrated, tilt = (
+        tables.values(figure, name) for name in ("aligned", "unvibrated", "tilt_at_alignment")
+    )
     return Regime(
         aligned=number("M9"),
-        static=points.share({"unvibrated": Unvibrated.ALIGNS}, {"aligned": 1}),
+        static=share(unvibrated[aligned] == Unvibrated.ALIGNS),
         not_resting=1.0 - number("M4b"),
         tilt=number("M2d"),
-        tilt_largest=float(np.nanmax(tilts)) if points.aligned.any() else NAN,
+        tilt_largest=float(np.abs(tilt[aligned]).max()) if aligned.any() else NAN,
         corners=number("C8c"),
         lift_offs=1.0 - number("N1"),
     )

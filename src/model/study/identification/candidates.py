@@ -6,13 +6,15 @@ the mean of what it does in the worst one and in all. So each figure is computed
 and to choose an operating point for each costs no further run.
 """
 
+import itertools
 import math
+from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-import xarray as xr
+import pandas as pd
 from numpy.typing import NDArray
 
 from model.events.outcomes import Outcome
@@ -20,12 +22,13 @@ from model.physics.parameters import FIELDS, Batch
 from model.runs.align import run_once
 from model.runs.unvibrated import unvibrated
 from model.study.claims.claims import CLAIMS
-from model.study.claims.data import Data
+from model.study.claims.data import Tables, table_of, with_columns
 from model.study.claims.ledger import Judgement, judge_claim
 from model.study.claims.regime import regime_of
+from model.study.claims.statistics import share
 from model.study.config.identification import Aims, Grid, Problem
 from model.study.identification.space import REST_HORIZON, REST_TOLERANCE, TRACKED, Array, Space
-from model.sweeps.sweep import Columns, Sweep, dataset_of, merge, run
+from model.sweeps.sweep import Sweep, merge, run
 
 SAFE = 0.03  # margin from which a claim counts as shown; less may be lost on another grid
 TOWARDS = 0.25  # of a claim, for the distance to what is claimed, so that the search sees a slope
@@ -62,13 +65,13 @@ class Scores:
         shorts: by how much each claim falls short, 0 where this figure does not bear on it, shape
             (t, claims).
         numbers: fields of ``Numbers``, shape (t, 6).
-        datasets: datasets of each operating point, by name.
+        tables: of the figure and its runs of the claims; operating points are their devices.
     """
 
     points: Array
     shorts: Array
     numbers: Array
-    datasets: list[dict[str, xr.Dataset]]
+    tables: Tables
 
 
 @dataclass(frozen=True)
@@ -96,52 +99,64 @@ def scores_of(space: Space, structure: Array, figure: str, points: Array, grid: 
     whole[:, space.places["structure"]] = structure
     whole[:, space.places[figure]] = points
     values = [space.values(point) for point in whole]
-    sweeps = [space.sweep(each, name, grid) for each in values for name in names]
-    computed = iter(datasets_of(sweeps, space.figures))
-    datasets = [{name: next(computed) for name in names} for _ in points]
-    shorts = np.array([_shorts(space, each) for each in datasets])
-    numbers = [
-        numbers_of(figure, each, given) for each, given in zip(datasets, values, strict=True)
-    ]
-    return Scores(points, shorts, np.array(numbers), datasets)
+    sweeps = [[space.sweep(each, name, grid) for name in names] for each in values]
+    tables = tables_of(sweeps, space.figures)
+    devices = [tables.at(row) for row in range(len(points))]
+    shorts = np.array([_shorts(space, each) for each in devices])
+    numbers = [numbers_of(figure, *each) for each in zip(devices, values, strict=True)]
+    return Scores(points, shorts, np.array(numbers), tables)
 
 
-def datasets_of(sweeps: Sequence[Sweep], figures: Sequence[str]) -> list[xr.Dataset]:
-    """Return the datasets of sweeps; all grids are run as one batch, without estimates of errors.
+def tables_of(devices: Sequence[Sequence[Sweep]], figures: Sequence[str]) -> Tables:
+    """Return the tables of the sweeps of each device.
 
-    Runs of the claims have no unvibrated controls, which none of their claims reads.
+    All grids are run as one batch, without estimates of errors. Runs of the claims, which are not
+    in ``figures``, have no unvibrated controls, which none of their claims reads.
     """
-    gridded = [each for each in sweeps if each.dimensions and each.name not in TRACKED]
-    columns = iter(_columns(gridded, figures) if gridded else ())
-    return [
-        dataset_of(each, "", next(columns)) if each in gridded else merge(each, "", [run(each)])
-        for each in sweeps
-    ]
+    pairs = [(device, each) for device, sweeps in enumerate(devices) for each in sweeps]
+    gridded = [each.dimensions and each.name not in TRACKED for _, each in pairs]
+    parts = defaultdict(list)
+    for (device, sweep), is_gridded in zip(pairs, gridded, strict=True):
+        if not is_gridded:
+            table = table_of(merge(sweep, "", [run(sweep)]))
+            parts[sweep.name].append(table.assign(device=device))
+    tables = {name: pd.concat(each) for name, each in parts.items()}
+    return Tables(tables | _of_grids([*itertools.compress(pairs, gridded)], figures))
 
 
-def _columns(sweeps: Sequence[Sweep], figures: Sequence[str]) -> list[Columns]:
+def _of_grids(
+    pairs: Sequence[tuple[int, Sweep]], figures: Sequence[str]
+) -> dict[str, pd.DataFrame]:
+    """Return the tables of sweeps over grids, each with the number of its device, by name."""
+    if not pairs:
+        return {}
+    sweeps, settings = [each for _, each in pairs], pairs[0][1].settings.settings
     batches = [each.batch(np.arange(math.prod(each.shape))) for each in sweeps]
-    ends, settings = np.cumsum([len(each) for each in batches]), sweeps[0].settings.settings
     together = Batch({n: np.concatenate([each.values[n] for each in batches]) for n in FIELDS})
     # In a drawn order the long runs do not come together, and few lanes idle at the end.
     order = np.random.default_rng(0).permutation(len(together))
     found = run_once(_rows(together, order), settings)
     back = np.argsort(order)
     columns = {name: found[name][back] for name in found}
+    sizes = [len(each) for each in batches]
+    names = np.repeat([each.name for each in sweeps], sizes)
+    columns["device"] = np.repeat([device for device, _ in pairs], sizes)
     columns["sensitive"] = np.zeros(len(together))
-    of_figures = np.repeat([each.name in figures for each in sweeps], np.diff(ends, prepend=0))
-    needed = np.flatnonzero(of_figures & (columns["outcome"] == Outcome.ALIGNED))
     columns["unvibrated"] = np.zeros(len(together))
     columns["unvibrated_tilt"] = np.full(len(together), math.nan)
+    needed = np.flatnonzero(np.isin(names, figures) & (columns["outcome"] == Outcome.ALIGNED))
     if needed.size:
         still = replace(settings, horizon=REST_HORIZON, tolerance=REST_TOLERANCE)
         rest = unvibrated(_rows(together, needed), still)
         columns["unvibrated"][needed] = rest.outcome
         columns["unvibrated_tilt"][needed] = rest.tilt
-    parts = {name: np.split(column, ends[:-1]) for name, column in columns.items()}
-    return [
-        {name: parts[name][row] for name in sweep.variables} for row, sweep in enumerate(sweeps)
-    ]
+    frame = pd.DataFrame({**together.values, **columns})
+    return {
+        each.name: with_columns(
+            frame[names == each.name], each.kind, each.dimensions[0].parameter
+        )
+        for each in {each.name: each for each in sweeps}.values()
+    }
 
 
 def _rows(batch: Batch, rows: NDArray[np.int64]) -> Batch:
@@ -152,14 +167,14 @@ def _rows(batch: Batch, rows: NDArray[np.int64]) -> Batch:
 # --- Score of a figure alone ----------------------------------------------------------------------
 
 
-def _shorts(space: Space, datasets: Mapping[str, xr.Dataset]) -> Array:
-    """Return by how much each claim falls short in the datasets of one figure, shape (claims,)."""
-    data, shorts = Data(datasets), np.zeros(len(CLAIMS))
+def _shorts(space: Space, tables: Tables) -> Array:
+    """Return by how much each claim falls short in the tables of one figure, shape (claims,)."""
+    shorts = np.zeros(len(CLAIMS))
     for row, claim in enumerate(CLAIMS):
-        here = tuple(name for name in claim.figures if name in datasets)
+        here = tuple(name for name in claim.figures if name in tables.frames)
         if here and claim.id not in space.problem.set_aside:
             asked = claim if claim.compares else replace(claim, figures=here)
-            shorts[row] = short_of(judge_claim(asked, data), is_whole=not SHARED[row])
+            shorts[row] = short_of(judge_claim(asked, tables), is_whole=not SHARED[row])
     return shorts
 
 
@@ -175,15 +190,12 @@ def short_of(judgement: Judgement, is_whole: bool) -> float:
     return short + AGAINST * (is_whole and judgement.verdict == "contradicted")
 
 
-def numbers_of(
-    figure: str, datasets: Mapping[str, xr.Dataset], values: Mapping[str, float]
-) -> Numbers:
+def numbers_of(figure: str, tables: Tables, values: Mapping[str, float]) -> Numbers:
     """Return the numbers of a figure; those of one that never aligns are the worst."""
-    data = Data(datasets)
-    regime = regime_of(data, figure)
+    regime = regime_of(tables, figure)
     found = Numbers(
         aligned=regime.aligned,
-        aligned_mean=data.points(figure).share({"aligned": 1}),
+        aligned_mean=share(tables.values(figure, "aligned")),
         not_resting=regime.not_resting,
         tilt=regime.tilt,
         corners=regime.corners,

@@ -10,11 +10,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import xarray as xr
 from numpy.random import Generator
 from scipy.optimize import differential_evolution
 from scipy.stats import qmc
 
+from model.study.claims.data import Tables
 from model.study.config.identification import Round, Stage
 from model.study.identification.candidates import (
     Choice,
@@ -220,8 +220,8 @@ def _best_first(space: Space, figures: Mapping[str, Scores], choice: Choice, nam
 
 def final(
     space: Space, stages: Sequence[Stage], number: int, found: Found
-) -> tuple[Choice, Mapping[str, xr.Dataset]]:
-    """Return the set with the ``number``-th best structure, and its datasets on the study's grids.
+) -> tuple[Choice, Tables]:
+    """Return the set with the ``number``-th best structure, and its tables on the study's grids.
 
     Its operating points are chosen anew on these grids.
     """
@@ -229,13 +229,13 @@ def final(
     parents = _nearest(point[where], found.points, where)[:60]
     made = scored(space, point[where], parents, stages, _random(space, _FINAL, number))
     assert made is not None  # noqa: S101  (without a limit none is given up)
-    return made[0], _datasets(*made)
+    return made[0], _tables(*made)
 
 
 def polish(
     space: Space, stages: Sequence[Stage], trials: int, number: int, found: Found
-) -> tuple[Choice, Mapping[str, xr.Dataset]]:
-    """Return the ``number``-th best set after small steps, and its datasets on the last grid.
+) -> tuple[Choice, Tables]:
+    """Return the ``number``-th best set after small steps, and its tables on the last grid.
 
     A step to another structure and other operating points is kept if it falls shorter by less; a
     set that misses a limit counts as a claim more.
@@ -260,7 +260,7 @@ def polish(
         made = scored(space, structure, point[None], stages, random, least / _GIVE_UP)
         if made and (cost := _cost_at_last(space, *made)) < least:
             best, least = made, cost
-    return best[0], _datasets(*best)
+    return best[0], _tables(*best)
 
 
 def _numbered(space: Space, found: Found, number: int) -> Array:
@@ -282,7 +282,7 @@ def _cost_at_last(space: Space, choice: Choice, figures: Mapping[str, Scores]) -
     return shortfall_at_last(space.problem, choice.shortfall, numbers)
 
 
-def _datasets(choice: Choice, figures: Mapping[str, Scores]) -> dict[str, xr.Dataset]:
-    """Return the datasets of the chosen operating points."""
-    picked = [figures[name].datasets[row] for name, row in choice.picked.items()]
-    return {name: dataset for each in picked for name, dataset in each.items()}
+def _tables(choice: Choice, figures: Mapping[str, Scores]) -> Tables:
+    """Return the tables of the chosen operating points."""
+    picked = [figures[name].tables.at(row).alone() for name, row in choice.picked.items()]
+    return Tables({name: table for each in picked for name, table in each.items()})

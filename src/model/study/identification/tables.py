@@ -6,10 +6,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import xarray as xr
 import yaml
 
-from model.study.claims.data import Data
+from model.study.claims.data import Tables
 from model.study.claims.ledger import VERDICTS, judge
 from model.study.claims.regime import regime_of
 from model.study.csv_tables import csv_text, read_rows
@@ -46,18 +45,18 @@ def read_found(space: Space, paths: Sequence[Path]) -> Found:
     return Found(np.array([point for _, point in rows]), np.array([short for short, _ in rows]))
 
 
-def scored_text(space: Space, choice: Choice, datasets: Mapping[str, xr.Dataset]) -> str:
+def scored_text(space: Space, choice: Choice, tables: Tables) -> str:
     """Return a set with its claims and the regime of its figures, as JSON."""
-    values, data = space.values(choice.point), Data(datasets)
+    values = space.values(choice.point)
     figures = {
-        name: regime_of(data, name)._asdict() | numbers_of(name, datasets, values)._asdict()
+        name: regime_of(tables, name)._asdict() | numbers_of(name, tables, values)._asdict()
         for name in space.figures
     }
     return json.dumps(
         {
             "shortfall": choice.shortfall,
             "values": values,
-            "claims": {claim.id: found.verdict for claim, found in judge(datasets)},
+            "claims": {claim.id: found.verdict for claim, found in judge(tables)},
             "figures": figures,
         },
         indent=1,
