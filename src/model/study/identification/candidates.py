@@ -152,9 +152,7 @@ def _of_grids(
         columns["unvibrated_tilt"][needed] = rest.tilt
     frame = pd.DataFrame({**together.values, **columns})
     return {
-        each.name: with_columns(
-            frame[names == each.name], each.kind, each.dimensions[0].parameter
-        )
+        each.name: with_columns(frame[names == each.name], each.kind, each.dimensions[0].parameter)
         for each in {each.name: each for each in sweeps}.values()
     }
 
