@@ -2,7 +2,7 @@
 # make fig06      one figure
 # make smoke      the same study, small, into its own results root
 # make test       the environment, every check and every test
-# make maps       the stability maps that the paper does not have, into results/figures/maps
+# make maps       the stability maps that the paper does not have
 # make accuracy   the integrator's errors on thousands of random sets: printed, and results/accuracy
 # make identification  the search for the device, from nothing: hours; a restart goes on
 # make fuzz       random sets over the whole domain of the parameters; SETS=1000000 for a million, to
@@ -111,10 +111,9 @@ script-types:
 	! command -v npx >/dev/null || npx --yes --package typescript@5.9.3 tsc --noEmit --strict --noUnusedLocals --noUnusedParameters --noImplicitReturns --checkJs --allowJs --target es2022 \
 		--lib es2022,dom,dom.iterable src/model/show/explorer/*.js
 
-# On a Slurm of its own; STUDY=tiny for a study that takes less time.
-STUDY ?= smoke
+# On a Slurm of its own.
 slurm-test: environment
-	VIBRALIGN_STUDY=$(STUDY) $(in_env) pytest -rPs -m slurm tests/workflow/test_slurm.py
+	$(in_env) pytest -rPs -m nightly tests/workflow/test_slurm.py
 
 docs: environment
 	rm -rf site docs/examples
@@ -123,6 +122,7 @@ docs: environment
 	@echo "open site/index.html"
 
 # KILLS=500 kills the study at more moments.
+STUDY ?= smoke
 KILLS ?= 50
 nightly: environment
 	VIBRALIGN_STUDY=$(STUDY) VIBRALIGN_KILLS=$(KILLS) VIBRALIGN_SETS=500 $(in_env) pytest -rP -m nightly tests

@@ -5,7 +5,7 @@ from pathlib import Path
 from snakemake.exceptions import WorkflowError
 from snakemake.utils import min_version
 
-from model.study.config import COMPUTED, FIGURES, GRIDDED, HISTORIES, MAPS, SCHEMATICS
+from model.study.config import COMPUTED, FIGURES, GRIDDED, MAPS, SCHEMATICS
 from model.study.config import ConfigError, check_study, study_files
 from model.tracking.invocation import begin
 
@@ -38,12 +38,10 @@ pathvars:
 wildcard_constraints:
     figure=r"fig\d\d",
     chunk=r"\d+",
-    map="|".join(study.map_names),
 
 
 include: "workflow/rules/common.smk"
 include: "workflow/rules/figures.smk"
-include: "workflow/rules/maps.smk"
 include: "workflow/rules/pictures.smk"
 include: "workflow/rules/methods.smk"
 include: "workflow/rules/claims.smk"

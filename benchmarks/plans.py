@@ -3,9 +3,9 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from model.study.config.base import Plan
 from model.study.config.methods import HardCases, Ladder
-from model.study.config.settings import RunSettings
+from model.sweeps.axes import Plan
+from model.sweeps.settings import RunSettings
 
 if TYPE_CHECKING:
     from model.study.config.study import Study

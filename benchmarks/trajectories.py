@@ -17,7 +17,7 @@ import numpy as np
 from benchmarks.problems import SEED, Problem, neighbours
 from model import Batch, Outcome, Parameters, Scene, Settings, align, simulate
 from model.study.config import load_study, study_path
-from model.study.sweep import sweep_of
+from model.study.plans import sweep_of
 from verification.independent.motion import LEFT, RIGHT, Device, body
 
 W1 = Parameters(

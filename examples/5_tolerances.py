@@ -10,7 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from model import Settings, load_device
-from model.study.assessment.yields import yield_of
+from model.device.yields import yield_of
 
 stated = load_device("peg.yaml")
 phases = np.linspace(0.0, 2.0 * np.pi, 8, endpoint=False)

@@ -16,17 +16,9 @@ import yaml
 
 from model import Batch, Parameters, Variants, align, simulate
 from model.physics.parameters import Constants
-from model.study.config import (
-    Curves,
-    Family,
-    Map,
-    Study,
-    baseline,
-    check_study,
-    read_study,
-    study_path,
-)
-from model.study.io import write_dataset
+from model.study.config import Curves, Map, Study, baseline, check_study, read_study, study_path
+from model.sweeps.axes import Family
+from model.sweeps.io import write_dataset
 from model.tracking.invocation import Invocation
 from model.tracking.job import INVOCATION, write_sidecar
 
@@ -110,7 +102,7 @@ def fixed_study() -> Study:
 
 @pytest.fixture(scope="session")
 def small_study(fixed_study: Study) -> Callable[[int, int], Study]:
-    """The same with two curves of ``points`` and maps of ``cells`` squared."""
+    """The same with two curves of ``points``, and maps of ``cells`` squared with few starts."""
 
     def make(points: int, cells: int) -> Study:
         small = dict(fixed_study.figures)
@@ -122,7 +114,9 @@ def small_study(fixed_study: Study) -> Callable[[int, int], Study]:
             elif isinstance(spec, Map):
                 x, y = (axis.model_copy(update={"count": cells}) for axis in (spec.x, spec.y))
                 small[name] = spec.model_copy(update={"x": x, "y": y})
-        return fixed_study.model_copy(update={"figures": small})
+        every = fixed_study.maps.ensemble.model_copy(update={"phases": 2, "every": 2})
+        maps = fixed_study.maps.model_copy(update={"ensemble": every})
+        return fixed_study.model_copy(update={"figures": small, "maps": maps})
 
     return make
 
@@ -130,7 +124,7 @@ def small_study(fixed_study: Study) -> Callable[[int, int], Study]:
 @pytest.fixture
 def _no_leeways(monkeypatch: pytest.MonkeyPatch) -> None:
     """Leave out the leeways, or nearest reliable values: most runs of an assessment."""
-    module = importlib.import_module("model.study.assessment.assess")  # not the function
+    module = importlib.import_module("model.device.assess")  # not the function
     for name in ("leeways", "nearest"):
         monkeypatch.setattr(module, name, lambda *_: ())
 
@@ -231,11 +225,11 @@ class RecordedStudy:
         data = sorted((self.root / "data").glob("fig*.nc"))
         self.sidecar("claims", [path], data)
 
-    def map(self, shift: float = 0.0) -> None:
+    def run_of_claims(self, shift: float = 0.0) -> None:
         """A dataset with the name of a figure's, in another folder."""
-        path = self.root / "data/maps/fig06.nc"
+        path = self.root / "data/claims/fig06.nc"
         write_dataset(_dataset(shift), path)
-        self.sidecar("map/fig06", [path])
+        self.sidecar("claims_runs/fig06", [path])
 
     def fail(self, run: str, text: str) -> None:
         """Files of a job that raises: a log, and nothing else."""

@@ -19,6 +19,8 @@ DISTRIBUTIONS = {
 STUDY = ["plot", "study"]
 EXTRAS = {  # of each folder, besides the dependencies of the package
     **dict.fromkeys(("compile", "physics", "events", "engines", "runs"), ()),
+    "sweeps": STUDY,
+    "device": STUDY,
     "study": STUDY,
     "tracking": STUDY,
     "show": STUDY,

@@ -85,7 +85,7 @@ def test_no_other_place_in_the_package_lists_half_of_the_table(trees, table, sta
         if len(names & set(table)) > len(table) / 2
     }
     # Those that an engineer adjusts or measures are chosen for the leeways, and are over a half.
-    assert places - {"study/assessment/leeways.py"} == {stated_in}
+    assert places - {"device/leeways.py"} == {stated_in}
 
 
 def test_constants_and_results_are_never_made_by_position(trees):
@@ -137,8 +137,8 @@ from model.physics.notation import State
 from model.physics.parameters import Constants
 from model.physics.variants import Variants
 from model.study.config import baseline
-from model.study.io import VARIABLES, parameter_attributes
-from model.study.devices import load_device
+from model.sweeps.io import VARIABLES, parameter_attributes
+from model.device import load_device
 
 def printed(*arguments):
     with contextlib.redirect_stdout(io.StringIO()) as out:

@@ -22,8 +22,8 @@ from model.physics.parameters import PARAMETER_NAMES, Batch, Parameters
 from model.runs.align import align, run_once
 from model.runs.settings import Settings
 from model.runs.simulate import simulate_once
-from model.study.config.base import points_of_chunk
-from model.study.files import atomic_write
+from model.sweeps.axes import points_of_chunk
+from model.sweeps.files import atomic_write
 from verification.independent import solve
 from verification.trials import Trial
 

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from model.physics.parameters import Batch, Parameters
 from model.study.config.accuracy import Range
-from model.study.config.base import Plan
-from model.study.config.settings import RunSettings
+from model.sweeps.axes import Plan
+from model.sweeps.settings import RunSettings
 
 if TYPE_CHECKING:
     from model.study.config.study import Study

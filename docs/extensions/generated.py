@@ -24,7 +24,7 @@ from model.events.table import EVENTS
 from model.physics.parameters import FIELDS, Parameters
 from model.physics.units import UNITS
 from model.study.config import Study
-from model.study.io import unit_in_file
+from model.sweeps.io import unit_in_file
 
 
 def _table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:

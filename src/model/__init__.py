@@ -6,6 +6,8 @@
 <Outcome.ALIGNED: 0>
 """
 
+from model.device import StatedDevice, load_device
+from model.device.reliability import reliable_at
 from model.events.insertion import INSERTION
 from model.events.outcomes import Outcome, Reason
 from model.events.scenes import ALIGNMENT, PRINTED_CONTACTS, SUSPENDED, Scene
@@ -14,8 +16,6 @@ from model.physics.variants import Variants
 from model.runs.align import Alignments, align
 from model.runs.settings import Settings
 from model.runs.simulate import Trajectory, simulate
-from model.study.assessment import reliable_at
-from model.study.devices import StatedDevice, load_device
 
 Readings = Variants  # the name in the API
 

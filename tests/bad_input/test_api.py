@@ -7,7 +7,7 @@ from benchmarks.hard_cases import read_judged
 from benchmarks.work_precision import read_settings
 from model import Batch, Parameters, Scene, Variants, align, simulate
 from model.study.csv_tables import TableError
-from model.study.io import DatasetError, read_dataset
+from model.sweeps.io import DatasetError, read_dataset
 from verification.accuracy import read_tables
 from verification.fuzz import try_sets
 from verification.independent import solve

@@ -23,8 +23,8 @@ from model.study.config import (
     read_study,
     study_path,
 )
-from model.study.files import write_json, write_text
-from model.study.io import write_dataset
+from model.sweeps.files import write_json, write_text
+from model.sweeps.io import write_dataset
 
 COMMAND = [sys.executable, "-m", "model.cli.main"]
 PEG = str(study_path().parents[1] / "docs" / "peg.yaml")
@@ -107,9 +107,9 @@ LINES = [
     ([*MAP, "--device", PEG, "--x", "mass", "0", "2"], ["mass = 0.0: must be a finite number > 0"]),
     ([*MAP, *TILT, "-0.1", "1", *OF_PEG], ["tilt_stiffness = -0.1: must be a finite number >"]),
     ([*MAP, "--device", "no.yaml"], ["no.yaml: cannot be read: No such file"]),
-    ([*MAP, "--resolution", "12"], ["resolution = 12: must be a power of two, 2 to 8192"]),
-    ([*MAP, "--resolution", "1e9"], ["resolution = 1e9: must be a power of two"]),
-    ([*MAP, "--resolution", "fine"], ["resolution = 'fine': must be a power of two"]),
+    ([*MAP, "--resolution", "1"], ["resolution = 1: must be a whole number, 2 to 1025"]),
+    ([*MAP, "--resolution", "1e9"], ["resolution = 1e9: must be a whole number"]),
+    ([*MAP, "--resolution", "fine"], ["resolution = 'fine': must be a whole number"]),
     ([*MAP, "--x", "tilt_stifness", "1", "2"], ["Did you mean 'tilt_stiffness'?"]),
     ([*MAP, *TILT, "5", "1"], ["--x tilt_stiffness 5 1: must be two finite numbers"]),
     ([*MAP, *TILT, "0", "inf"], ["must be two finite numbers, the smaller first"]),
@@ -138,8 +138,8 @@ LINES = [
     (["runs", "--root", "ROOT", "--invocations"], ["ROOT", "build the study first"]),
     (["show", "--root", "ROOT", "merge/fig06"], ["ROOT", "build the study first"]),
     (["show", "--root", "ROOT/nowhere", "last"], ["nowhere"]),
-    (["diff", "--root", "ROOT", "one", "other"], ["ROOT", "build the study first"]),
-    (["diff", "--root", "ROOT", "merge/fig06"], ["B"]),
+    (["diff", "ROOT", "other"], ["other: is no results folder"]),
+    (["diff", "ROOT"], ["B"]),
     (["verify", "--root", "ROOT/nowhere"], ["nowhere", "make smoke"]),
     (["verify", "--root", "ROOT/file"], ["file", "make smoke"]),
     (["verify", "--root", "ROOT", "--figure", "0"], ["fig00"]),
@@ -166,8 +166,8 @@ def _nothing_runs(monkeypatch):
         raise AssertionError("computed before everything was checked")
 
     monkeypatch.setattr("model.cli.simulate.simulate", forbidden)
-    for name in ("estimate", "run_once"):
-        monkeypatch.setattr(f"model.study.maps.compute.{name}", forbidden)
+    for name in ("align", "run_once"):
+        monkeypatch.setattr(f"model.sweeps.sweep.{name}", forbidden)
 
 
 @pytest.mark.usefixtures("_nothing_runs")

@@ -10,19 +10,15 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from model import Settings
 from model.compile import cache, machine_code
 from model.compile.entries import compiled
 from model.compile.kernels import kernel
 from model.compile.webassembly import WebAssembly
+from model.device import DeviceError, load_device
 from model.runs import in_browser
 from model.study.claims.ledger import read_ledger
 from model.study.csv_tables import TableError
-from model.study.design import Design, Search
-from model.study.design_files import design_dataset, known_in
-from model.study.design_judges import Judges
-from model.study.devices import DeviceError, load_device
-from model.study.io import DatasetError, read_dataset, write_dataset
+from model.sweeps.io import DatasetError, read_dataset, write_dataset
 from model.tracking import TrackingError, code
 from model.tracking.compare import changed_verdicts
 from model.tracking.history import discard_damaged, load_history
@@ -140,16 +136,6 @@ def small() -> xr.Dataset:
     return xr.Dataset({"tau_align": ("friction", values)}, attrs={"figure": "fig06"})
 
 
-def search() -> Search:
-    made = Search(Judges(load_device(PEG), [], Settings()))
-    made.known[8.0, 0.3] = (1.0, 2.0, 0.1, 20.0, 0.1, np.nan)
-    return made
-
-
-def write_design(path: Path) -> None:
-    write_dataset(design_dataset(search(), Design(search().tried(), 0, {})), path)
-
-
 RECORD = {
     "invocation": "a", "outcome": "done", "started": "2026", "started_stamp": 0.0, "runs": [],
     "failures": [],
@@ -175,10 +161,6 @@ REFUSED = {
     "device": Refused(
         "peg.yaml", lambda path: path.write_bytes(PEG.read_bytes()), load_device, DeviceError, "",
     ),
-    "design": Refused(
-        "design.nc", write_design, lambda path: known_in(path, search()), ValueError,
-        "choose another name, or delete it",
-    ),
 }  # fmt: skip
 
 
@@ -202,12 +184,6 @@ def test_a_file_of_another_program_or_an_earlier_version_is_refused(tmp_path, ma
     xr.Dataset({"temperature": ("x", [1.0])}).to_netcdf(foreign)
     with pytest.raises(DatasetError, match="is not a dataset of this study: build it again"):
         read_dataset(foreign)
-    with pytest.raises(ValueError, match=r"is no file of this version's design .*delete it"):
-        known_in(foreign, search())
-    earlier = design_dataset(search(), Design(search().tried(), 0, {})).drop_vars("margin")
-    write_dataset(earlier, tmp_path / "earlier.nc")
-    with pytest.raises(ValueError, match=r"is no file of this version's design .*delete it"):
-        known_in(tmp_path / "earlier.nc", search())
     for folder, dataset in (("old", make_dataset()), ("new", make_dataset())):
         (tmp_path / folder / "data").mkdir(parents=True)
         write_dataset(dataset, tmp_path / folder / "data" / "fig06.nc")

@@ -9,11 +9,11 @@ import pytest
 
 from model import INSERTION, Settings
 from model.cli import main as cli
+from model.device import StatedDevice, assess, leeways, load_device
+from model.device.assess import Assessment, BaseVerdict
+from model.device.leeways import Leeway
 from model.show.assumptions import assumptions
 from model.show.si import named_words
-from model.study import assessment
-from model.study.assessment import Assessment, BaseVerdict, Leeway, leeways
-from model.study.devices import StatedDevice, load_device
 
 PEG = str(Path(__file__).parents[2] / "docs" / "peg.yaml")
 COARSE = ["--horizon", "60", "--tolerance", "1e-6"]
@@ -33,7 +33,7 @@ def given(monkeypatch, **changed) -> None:
     """Let every device be found so: reliable from 32 starts, but for what is changed."""
     usual = {"starts": 32, "aligned": 32, "tau_best": 2.0, "tau_worst": 3.0, "failing_start": None}
     found = Assessment(**usual | changed)
-    monkeypatch.setattr(assessment, "assess", lambda *_, **__: found)
+    monkeypatch.setattr(assess, "assess", lambda *_, **__: found)
 
 
 def test_a_device_in_si_units_is_assessed_in_si_units(capsys, monkeypatch):
@@ -111,7 +111,7 @@ def test_an_open_base_decides_the_verdict(capsys, monkeypatch):
         verdicts = tuple(BaseVerdict(k, 0.5, 8, 8 if k < 1e4 else 3, 2.0, 3.0) for k in (1e3, 1e5))
         return Assessment(32, 32, 2.0, 3.0, None, bases=verdicts)
 
-    monkeypatch.setattr(assessment, "assess", found)
+    monkeypatch.setattr(assess, "assess", found)
     lines = said(capsys, "--device", PEG).splitlines()
     assert lines[1].startswith("verdict         depends on the base: measure it; ")
     assert "3 of 8" in next(line for line in lines if "(100,000 × axial)" in line)

@@ -8,7 +8,7 @@ import pytest
 from model.cli import main as cli
 from model.study.claims import CLAIMS
 from model.study.claims.regime import Regime
-from model.study.io import write_dataset
+from model.sweeps.io import write_dataset
 from tests.study.claims_data import Course, falling, runs
 
 

@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 from model.cli import main as cli
-from model.study import design_judges
+from model.device import design_trials
 
 PEG = Path(__file__).parents[2] / "docs" / "peg.yaml"
 QUICK = ["--generations", "1", "--population", "5", "--devices", "64"]
@@ -17,7 +17,7 @@ BASE = ["--horizon", "600 ms", "--set", "contact_stiffness=300 kN/m"]
 
 @pytest.fixture
 def peg(tmp_path, monkeypatch):
-    monkeypatch.setattr(design_judges, "POINTS", 4)  # devices and lines of the quick judge
+    monkeypatch.setattr(design_trials, "POINTS", 4)  # devices and lines of the quick trial
 
     def write(limits, friction="0.15"):
         path = tmp_path / "peg.yaml"
@@ -43,8 +43,6 @@ def test_a_design_is_recommended_and_kept(capsys, peg, tmp_path):
     assert (
         "  tolerances  none stated, so assumed: press_force ± 10 %, tilt_stiffness ± 10 %" in said
     )
-    assert "friction 0.1 " in said
-    assert "friction 0.2 " in said
     assert plot.stat().st_size > 10_000
     with xr.open_dataset(out) as dataset:
         assert dataset.attrs["free"] == "tilt_stiffness"
@@ -55,10 +53,9 @@ def test_a_design_is_recommended_and_kept(capsys, peg, tmp_path):
         assert dataset["time"].attrs["long_name"].endswith("of the runs that go in")
         assert set(dataset["front"].values.tolist()) <= {0, 1}
         tried = dataset.sizes["candidate"]
-    assert cli.main([*given, "--json"]) == cli.DONE  # continued from its file: nothing is new
+    assert cli.main([*given, "--json"]) == cli.DONE
     record = json.loads(capsys.readouterr().out)
-    assert record["tried"] == tried
-    assert record["feasible"]
+    assert (record["tried"], record["feasible"]) == (tried, True)
 
 
 @pytest.mark.usefixtures("_no_leeways")

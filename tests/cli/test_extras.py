@@ -23,7 +23,7 @@ def test_a_package_that_is_missing_is_named_with_its_extra(
     monkeypatch, capsys, tmp_path, module, line, words
 ):
     monkeypatch.chdir(tmp_path)
-    for using in ("model.study.assessment.yields", "model.study.design"):
+    for using in ("model.device.yields", "model.device.design"):
         monkeypatch.delitem(sys.modules, using, raising=False)  # imported anew, without scipy
     monkeypatch.setitem(sys.modules, module, None)
     assert cli.main(line) == cli.REFUSED

@@ -14,12 +14,12 @@ import yaml
 
 from model.cli import main as cli
 from model.cli import simulate as simulate_command
+from model.device import load_device
 from model.events.outcomes import OUTCOME_TEXT, Outcome, Reason, remedy
 from model.physics.parameters import FIELDS, PARAMETER_NAMES
 from model.physics.variants import Variants
 from model.runs.simulate import simulate
 from model.study.config import baseline, load_study, study_path
-from model.study.devices import load_device
 
 ALIGNING = ["simulate", "--set", "press_force=2", "--set", "tilt_stiffness=10"]
 OWN = yaml.safe_load((Path(__file__).parents[1] / "device.yaml").read_text(encoding="utf-8"))

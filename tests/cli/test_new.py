@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from model.cli import main as cli
-from model.study.devices import load_device
-from model.study.devices.stated import LIMITS, QUANTITIES
+from model.device import load_device
+from model.device.stated import LIMITS, QUANTITIES
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "docs" / "devices"
 FILLED = {

@@ -85,22 +85,20 @@ def test_an_invocation_is_shown_with_its_failures(capsys, root) -> None:
     assert json.loads(output(capsys, "show", "--root", root, "last", "--json"))["failures"]
 
 
-def test_a_difference_is_shown_and_is_the_exit_code(capsys, root, tmp_path: Path) -> None:
-    runs = json.loads(output(capsys, "runs", "--root", root, "--json"))
-    first, second = (f"merge/fig06@{run['invocation']}" for run in runs[:2])
-    printed = output(capsys, "diff", "--root", root, first, second, code=cli.FAILED)
-    assert "parameters: 3 differ" in printed
+def test_a_difference_is_shown_and_is_the_exit_code(capsys, root, recorded, tmp_path) -> None:
+    first = str(shutil.copytree(root, tmp_path / "first"))
+    same = output(capsys, "diff", root, first)
+    assert "data: the same" in same
+    assert "not compared" not in same
+    recorded.merge(1.0)
+    printed = output(capsys, "diff", first, root, code=cli.FAILED)
     assert "metrics: the same" in printed
     row = next(line for line in printed.splitlines() if "tau_align" in line)
     assert row.split() == ["fig06", "tau_align", "4", "1", "0.5", "tilt_stiffness", "=", "7,",
-                           "press_force", "=", "1", "3", "3.5"]  # fmt: skip
-    found = json.loads(output(capsys, "diff", "--root", root, first, second, "--json", code=1))
+                           "press_force", "=", "1", "3.5", "4"]  # fmt: skip
+    found = json.loads(output(capsys, "diff", first, root, "--json", code=1))
     assert found["data"][0]["at"] == {"tilt_stiffness": 7.0, "press_force": 1.0}
     assert found["claims"] is None
-    copy = shutil.copytree(root, tmp_path / "copy")
-    same = output(capsys, "diff", root, str(copy))
-    assert "data: the same" in same
-    assert "not compared" not in same
 
 
 def test_a_long_section_is_cut_unless_asked_for(capsys, root, recorded, tmp_path: Path) -> None:

@@ -45,11 +45,11 @@ FROZEN = {
         source quantities tolerances materials free limits changes start horizon insertion_depth
     """,
     "model.reliable_at": "device settings cores quantities",
-    "model.study.assessment.yields.yield_of": "stated starts settings cores devices seed indices",
-    "model.study.assessment.yields.Yield": """
+    "model.device.yields.yield_of": "stated starts settings cores devices seed indices",
+    "model.device.yields.Yield": """
         devices going_in low high time force runs sobol_indices confidence
     """,
-    "model.study.assessment.yields.DeviceResults": "values goes_in time times force tilt failing",
+    "model.device.yields.DeviceResults": "values goes_in time times force tilt failing",
     "model.Variants": """
         normal_sign friction_law contact_damping_law side_gap side_force preload
         alignment_criterion moment_arms

@@ -18,8 +18,9 @@ import pytest
 from model import Batch, Outcome, Settings, load_device, simulate
 from model.events.outcomes import Unvibrated
 from model.runs.unvibrated import unvibrated
-from model.study.io import write_dataset
-from model.study.sweep import dataset_of, sweep_of
+from model.study.plans import sweep_of
+from model.sweeps.io import write_dataset
+from model.sweeps.sweep import dataset_of
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 SCRIPTS = sorted([*EXAMPLES.glob("*.py"), *EXAMPLES.glob("*.ipynb")])

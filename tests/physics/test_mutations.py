@@ -179,8 +179,9 @@ from pathlib import Path
 study_path, against, errors, figures = (json.loads(each) for each in sys.argv[1:])
 os.environ["ERROR"] = "0"
 from model.study.config import load_study
-from model.study.io import read_dataset, write_dataset
-from model.study.sweep import merge, run, sweep_of
+from model.sweeps.io import read_dataset, write_dataset
+from model.study.plans import sweep_of
+from model.sweeps.sweep import merge, run
 from model.tracking.reference import compare_with_reference
 
 study, found, right = load_study(Path(study_path)), {}, {}

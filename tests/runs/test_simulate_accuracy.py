@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from model import PRINTED_CONTACTS, Batch, Outcome, Reason, Settings, Variants, align, simulate
+from model.device import load_device
+from model.device.batches import devices_of
+from model.device.yields import drawn
 from model.engines.results import RunResult
 from model.runs.engines import batch_engine, scalar_engine
-from model.study.assessment.yields import drawn
 from model.study.config import load_study, study_path
-from model.study.devices import load_device
-from model.study.devices.batches import devices_of
-from model.study.maps.starts import starts_of
+from model.sweeps.starts import starts_of
 
 # One run for each kind of event; the tests assert the events that it goes through.
 RUNS = {

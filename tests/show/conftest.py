@@ -5,10 +5,10 @@ import xarray as xr
 
 from tests.comparison_data import judged, timed_settings
 from tests.show.drawn import DURATIONS, grid
-from tests.show.report_data import datasets, lines, refined, rendered, root, study
+from tests.show.report_data import datasets, lines, rendered, root, study
 
 __all__ = [
-    "datasets", "judged", "lines", "refined", "rendered", "root", "study",
+    "datasets", "judged", "lines", "rendered", "root", "study",
     "timed_settings",
 ]  # fmt: skip
 

@@ -4,7 +4,6 @@ import base64
 import re
 from html.parser import HTMLParser
 
-import numpy as np
 import pytest
 
 from benchmarks.hard_cases import table_of
@@ -12,12 +11,12 @@ from benchmarks.plans import HARD_PICTURES, PICTURES
 from benchmarks.report import SECTIONS
 from benchmarks.work_precision import table_of as settings_table
 from model.show.report import page as report_page
-from model.show.report.figures import HEAD
 from model.show.report.section import Results
 from model.study.claims import Tables, judge
 from model.study.claims.ledger import ledger_text, lines_of
-from model.study.io import write_dataset
-from model.study.sweep import merge, run, sweep_of
+from model.study.plans import sweep_of
+from model.sweeps.io import write_dataset
+from model.sweeps.sweep import merge, run
 from tests.show.drawn import jamming_data
 
 # The smallest picture there is: one transparent pixel.
@@ -94,28 +93,18 @@ def lines(datasets):
 
 
 @pytest.fixture(scope="module")
-def refined(datasets):
-    """The refined map of the figure at the head of the page; its left half is not reliable."""
-    reliable = np.ones(datasets[HEAD]["outcome"].shape, dtype=np.int8)
-    reliable[:, :2] = 0
-    return datasets[HEAD].assign(reliable=(datasets[HEAD]["outcome"].dims, reliable))
-
-
-@pytest.fixture(scope="module")
-def root(study, datasets, refined, lines, timed_settings, judged, tmp_path_factory):
+def root(study, datasets, lines, timed_settings, judged, tmp_path_factory):
     root = tmp_path_factory.mktemp("results")
     for name, dataset in datasets.items():
         write_dataset(dataset, root / f"data/{name}.nc")
     write_dataset(jamming_data(), root / "data/jamming.nc")
-    write_dataset(refined, root / f"data/maps/{HEAD}.nc")
     (root / "claims.csv").write_text(ledger_text(lines), encoding="utf-8")
     for folder in ("benchmarks", "figures"):
         (root / folder).mkdir()
     measured = settings_table(timed_settings, times=True)
     (root / "benchmarks/precision.csv").write_text(measured, encoding="utf-8")
     (root / "benchmarks/hard_cases.csv").write_text(table_of(judged, times=True), encoding="utf-8")
-    (root / "figures/maps").mkdir()
-    drawn = "claims", "jamming", "maps/fig13_vibration"
+    drawn = "claims", "jamming", "fig13_vibration"
     places = [f"figures/{name}" for name in (*study.figures, *drawn)]
     for place in (*places, *PICTURES.values(), *HARD_PICTURES.values()):
         (root / f"{place}.png").write_bytes(PIXEL)

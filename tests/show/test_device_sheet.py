@@ -4,9 +4,9 @@ import re
 from pathlib import Path
 
 from model.cli import sheet
+from model.device import load_device
 from model.runs.settings import Settings
 from model.study.config import load_study, study_path
-from model.study.devices import load_device
 
 PEG = Path(__file__).resolve().parents[2] / "docs" / "devices" / "peg.yaml"
 VERDICT = ("reliable at the stated values; yield 100 % under the tolerances", True)
@@ -18,7 +18,7 @@ GROUPS = {
 
 
 def test_a_sheet_is_self_contained_and_has_the_same_bytes(tmp_path, monkeypatch):
-    monkeypatch.setattr(sheet, "_RESOLUTION", 8)
+    monkeypatch.setattr(sheet, "_COUNT", 9)
     study = load_study(study_path())
     stated, settings = (
         load_device(PEG, {"press_force": "12 N"}),

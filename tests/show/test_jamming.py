@@ -38,13 +38,6 @@ def test_lines_are_the_closed_forms_of_the_panels_clearance(figure) -> None:
         assert np.cos(at) + depth * np.sin(at) == pytest.approx(1.0 + clearance)
 
 
-def test_the_legend_names_marks_and_lines_once(figure) -> None:
-    words = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert sorted(words) == sorted(
-        ["inserted", "jammed", "climbed out", WEDGED, DIAGRAM, TWO_POINTS]
-    )
-
-
 def test_the_same_parts_are_in_the_jamming_diagram_of_their_clearance(figure) -> None:
     data = jamming_data()
     for place, axes in enumerate(figure.axes[2:]):

@@ -144,9 +144,3 @@ def test_two_processes_write_the_same_bytes(saved, tmp_path):
     subprocess.run(command, check=True, env=environment)
     for path in saved:
         assert path.read_bytes() == (tmp_path / path.name).read_bytes(), path.suffix
-
-
-def test_curves_differ_in_colour_line_and_marker():
-    curves = [style.curve(index, points=200) for index in range(7)]
-    for key in ("color", "linestyle", "marker"):
-        assert len({str(curve[key]) for curve in curves}) == len(curves)

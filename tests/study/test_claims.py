@@ -15,7 +15,8 @@ from model.study.claims.data import table_of
 from model.study.claims.ledger import judge_claim, ledger_text, lines_of, read_ledger
 from model.study.claims.statistics import explained, trend
 from model.study.config import FIGURES, load_study, study_path
-from model.study.sweep import TRACK_QUANTITIES, merge, run, sweep_of
+from model.study.plans import sweep_of
+from model.sweeps.sweep import TRACK_QUANTITIES, merge, run
 from tests.study.claims_data import (
     CASES,
     NAN,
@@ -308,7 +309,7 @@ def own_runs() -> dict[str, xr.Dataset]:
     coarse = study.model_copy(update={"claims_runs": small})
     names = ("centred", "misaligned")
     sweeps = [sweep_of(coarse, name) for name in names]
-    return {each.figure: merge(each, "title", [run(each)]) for each in sweeps}
+    return {each.name: merge(each, "title", [run(each)]) for each in sweeps}
 
 
 def test_a_start_without_asymmetry_is_one(own_runs: dict[str, xr.Dataset]) -> None:

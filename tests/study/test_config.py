@@ -21,7 +21,7 @@ from model.study.config import (
     read_study,
     study_path,
 )
-from model.study.sweep import sweep_of
+from model.study.plans import sweep_of
 
 PROJECT = Path(__file__).resolve().parents[2]
 
@@ -41,11 +41,8 @@ REFUSED = [
     ("structure.inertia", MISSING, ["structure.inertia: missing"]),
     ("figures.fig09", MISSING, ["missing fig09"]),
     ("results_rot", "x", ["results_rot", "unknown key", "results_root"]),
-    ("results_root", "", ["results_root = ''", "at least 1"]),
     ("settings.horizn", 1.0, ["settings.horizn", "unknown key", "horizon"]),
-    ("settings.horizon", 0.0, ["settings.horizon = 0.0", "greater than 0"]),
     ("settings.horizon", "long", ["settings.horizon = 'long'", "number"]),
-    ("settings.tolerance", 1.0, ["settings.tolerance = 1.0", "0.01"]),
     ("settings.readings", "prinetd", ["settings.readings = 'prinetd'", "'printed'"]),
     ("settings.readings", {"friction_lw": "printed"}, ["friction_lw", "friction_law"]),
     ("claims_runs.rubbing.swpt", 1.0, ["claims_runs.rubbing.swpt", "unknown key", "'swept'"]),
@@ -57,7 +54,6 @@ REFUSED = [
     ("jamming.held", {"friction": 0.1}, ["jamming.held.friction", "is varied in the same figure"]),
     ("jamming.clearance.values", [-0.1], ["jamming", "clearance"]),
     ("structure.inertia", -1.0, ["structure.inertia = -1.0", "> 0"]),
-    ("structure.half_width", True, ["structure.half_width = True", "number"]),
     ("structure.inrtia", 1.0, ["structure", "inrtia", "'inertia'"]),
     ("structure.friction", 0.1, ["friction", "both structure and operating_point"]),
     ("operating_point.friction", -0.1, ["operating_point.friction = -0.1", ">= 0"]),
@@ -67,56 +63,37 @@ REFUSED = [
         ["fig99", "fig14", "config/figures.py"],
     ),
     ("figures.fig06.kind", "mapp", ["figures.fig06", "mapp", "'curves'"]),
-    ("figures.fig06.title", "", ["figures.fig06.title = ''"]),
     ("figures.fig06.swept.cout", 3, ["figures.fig06.swept.cout", "unknown key", "count"]),
     ("figures.fig06.held", {"frction": 0.1}, ["figures.fig06.held", "frction", "'friction'"]),
-    ("figures.fig06.swept.count", 1, ["figures.fig06.swept.count = 1", "equal to 2"]),
-    ("figures.fig06.swept.count", 10.5, ["figures.fig06.swept.count = 10.5", "integer"]),
     ("figures.fig06.swept.start", 10.0, ["figures.fig06.swept", "start = 10.0", "stop = 10.0"]),
     ("figures.fig07.swept.start", -1.0, ["figures.fig07.swept", "friction", "-1.0", ">= 0"]),
     ("figures.fig06.swept.parameter", "press", ["figures.fig06.swept.parameter", "press_force"]),
-    ("figures.fig06.family.values", [], ["figures.fig06.family.values = []"]),
     ("figures.fig06.family.values", [5.0, 5.0], ["figures.fig06.family", "differ"]),
     ("figures.fig06.held.frequency", -1.0, ["figures.fig06.held.frequency = -1.0", ">= 0"]),
     ("figures.fig06.held.press_force", 1.0, ["figures.fig06.held.press_force", "varied"]),
     ("figures.fig06.held.misalignment", 9.0, ["figures.fig06.held", "misalignment = 9.0"]),
-    ("figures.fig06.chunks", 0, ["figures.fig06.chunks = 0", "equal to 1"]),
     ("accuracy.sets", 0, ["accuracy.sets = 0", "equal to 1"]),
-    ("accuracy.settled.longer", 1.0, ["accuracy.settled.longer = 1.0", "greater than 1"]),
     ("accuracy.ranges.press", {"low": 1.0, "high": 2.0}, ["accuracy.ranges", "press_force"]),
-    ("accuracy.ranges.friction.low", 0.0, ["accuracy.ranges.friction.low = 0.0", "than 0"]),
     ("accuracy.ranges.friction.low", 1.0, ["accuracy.ranges.friction", "low = 1.0", "high = 0.5"]),
     ("accuracy.ranges.inertia.zero", 0.1, ["accuracy.ranges.inertia = 0.0", "> 0"]),
     ("accuracy.ranges.misalignment.high", 2.0, ["accuracy.ranges", "misalignment = 2.0"]),
     ("figures.fig13.y.parameter", "tilt_stiffness", ["figures.fig13", "varied twice"]),
-    ("maps.resolution.figures", 1000, ["maps.resolution", "figures = 1000", "power of two"]),
-    ("maps.resolution.planes", 1, ["maps.resolution.planes = 1", "equal to 2"]),
-    ("maps.ensemble.every", 3, ["maps.ensemble", "every = 3", "power of two"]),
-    ("maps.ensemble.phases", 0, ["maps.ensemble.phases = 0", "equal to 1"]),
-    ("maps.ensemble.tilts", [0.0], ["maps.ensemble.tilts", "0.0", "greater than 0"]),
     ("maps.planes.stiffnesses.z", 1, ["maps.planes.stiffnesses.z", "unknown key", "held"]),
     ("maps.planes.stiffnesses.x.stop", -1.0, ["stiffnesses.x", "start = 0.0", "stop = -1.0"]),
     ("maps.planes.stiffnesses.x.start", -1.0, ["planes.stiffnesses", "lateral_stiffness = -1.0"]),
     ("maps.planes.stiffnesses.held.friction", -1.0, ["planes.stiffnesses", "friction = -1.0"]),
     ("maps.planes.stiffnesses.held.tilt_stiffness", 1.0, ["tilt_stiffness: is varied in the same"]),
     ("maps.planes.stiffnesses.y.parameter", "lateral_stiffness", ["varied twice"]),
-    ("precision.cases", {}, ["precision.cases", "at least 1"]),
     ("precision.cases.aligned.figure", "fig01", ["precision.cases.aligned", "'fig01'", "fig05"]),
     ("precision.cases.aligned.at.frictoin", 0.1, ["cases.aligned.at", "frictoin", "'friction'"]),
     ("precision.cases.aligned.at.friction", -0.1, ["cases.aligned", "friction = -0.1", ">= 0"]),
-    ("precision.cases.aligned.until", 0.0, ["cases.aligned.until = 0.0", "greater than 0"]),
-    ("hard_cases.cases", {}, ["hard_cases.cases", "at least 1"]),
     ("hard_cases.cases.slow.at.frequncy", 1.0, ["frequncy", "'frequency'"]),
     ("hard_cases.cases.slow.at.frequency", -1.0, ["cases.slow.at", "frequency = -1.0", ">= 0"]),
     ("hard_cases.base.stiffness", [0.0], ["cases.base_0", "contact_stiffness = 0.0", "> 0"]),
-    ("hard_cases.max_evaluations", 0, ["max_evaluations = 0", "equal to 1"]),
     ("hard_cases.every_method.cases", ["slw"], ["every_method.cases", "slw", "slow"]),
     ("precision.ladder.tolerances", [1e-3, 1e-2], ["[0.001, 0.01]", "must fall"]),
-    ("precision.ladder.tolerances", [1e-1], ["tolerances = [0.1]", "between 1e-14 and 1e-2"]),
-    ("precision.ladder.steps", [], ["precision.ladder.steps = []", "at least 1"]),
     ("precision.ladder.steps", [0.1, 0.0], ["steps = [0.1, 0.0]", "> 0"]),
     ("precision.ladder.true_tolerance", 1e-9, ["true_tolerance = 1e-09", "smaller than all"]),
-    ("precision.ladder.max_evaluations", 0, ["ladder.max_evaluations = 0", "equal to 1"]),
 ]
 
 
@@ -157,7 +134,7 @@ def test_a_section_is_read_from_the_file_of_its_name_beside(mapping, tmp_path):
 
 
 def test_the_study_is_as_large_as_it_must_be():
-    """The floors set for the study: 4 curves of 200 points, maps of 200 x 200 cells."""
+    """The floors set for the study: 4 curves of 200 points, maps of 200 x 200 nodes."""
     study = load_study(study_path())
     assert tuple(study.figures) == FIGURES
     for name in CURVES:
@@ -213,8 +190,8 @@ def test_smoke_changes_only_sizes() -> None:
     smoke = yaml.safe_load((PROJECT / "config" / "smoke.yaml").read_text(encoding="utf-8"))
     del smoke["results_root"]
     assert {name: values_of(section) for name, section in smoke.items()} == {
-        "figures": {"count"},
-        "maps": {"figures", "planes", "chunks", "phases", "every"},
+        "figures": {"count", "chunks"},
+        "maps": {"count", "chunks", "phases", "every"},
         "accuracy": {"sets", "chunks", "sets_a_job"},
         "precision": {"tolerances", "steps", "max_evaluations", "max_evaluations_scipy"},
         "claims_runs": {"count"},

@@ -13,16 +13,16 @@ from model.study.claims.ledger import Judgement
 from model.study.config import FIGURES, Study, check_study, load_study, read_study, study_path
 from model.study.config.identification import Round, Stage
 from model.study.identification import candidates, search
-from model.study.identification.candidates import Numbers, Tried, short_of, short_of_aims
+from model.study.identification.candidates import Numbers, Scores, short_of, short_of_aims
 from model.study.identification.space import Space, bare_inertia, space_of, structure_of
 from model.study.identification.tables import (
     found_text,
-    judged_text,
     read_found,
-    read_judged,
+    read_scored,
+    scored_text,
     summary_texts,
 )
-from model.study.sweep import sweep_of
+from model.study.plans import sweep_of
 
 COARSE = Stage(grid="tiny", points=2)
 
@@ -157,7 +157,7 @@ def test_the_choice_is_near_the_best_of_all_combinations(space):
     random = np.random.default_rng(3)
     names = space.figures[:4]
     made = {
-        name: Tried(
+        name: Scores(
             points=random.random((4, len(space.problem.operating_points[name]))),
             shorts=random.random((4, len(CLAIMS))),
             numbers=np.column_stack([random.random((4, 5)), np.zeros(4)]),
@@ -208,8 +208,8 @@ def test_a_part_is_the_same_whenever_it_is_computed(space, found, tmp_path):
 def test_small_steps_keep_the_best_set_and_count_a_missed_limit(space, found, tmp_path):
     path = tmp_path / "judged.json"
     choice, tables = search.polish(space, [COARSE], 0, 0, found)
-    path.write_text(judged_text(space, choice, tables))
-    judged = read_judged(space, [path])
+    path.write_text(scored_text(space, choice, tables))
+    judged = read_scored(space, [path])
     assert judged.points[0] == pytest.approx(found.points[0], abs=1e-12)
     assert judged.shortfalls[0] == pytest.approx(choice.shortfall + 1.0)
 
@@ -225,7 +225,7 @@ def test_a_set_judged_at_last_has_the_verdicts_of_its_tables(space, found, tmp_p
     paths = []
     for number in range(2):
         paths.append(tmp_path / f"{number}.json")
-        paths[-1].write_text(judged_text(space, choice, tables))
+        paths[-1].write_text(scored_text(space, choice, tables))
     texts = summary_texts(space, paths)
     verdicts = [judgement.verdict for _, judgement in judge(tables)]
     row = dict(zip(*(line.split(",") for line in texts["sets"].splitlines()[:2]), strict=True))

@@ -17,7 +17,8 @@ from model.study.jamming import (
     tilt_at_depth,
     wedging_side,
 )
-from model.study.sweep import merge, run, sweep_of
+from model.study.plans import sweep_of
+from model.sweeps.sweep import merge, run
 from tests.show.drawn import jamming_data
 
 

@@ -31,7 +31,7 @@ def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def hashes(package: Path) -> dict[str, list[str]]:
     code._parsed.cache_clear()
-    files = {"runs": "runs/align.py", "datasets": "study/io.py", "style": "show/style.py"}
+    files = {"runs": "runs/align.py", "datasets": "sweeps/io.py", "style": "show/style.py"}
     project = package.parents[1]
     return {name: code_of(project, f"src/model/{path}") for name, path in files.items()}
 
@@ -97,13 +97,13 @@ def test_a_computing_script_depends_on_all_that_it_computes_with():
 
 
 def test_what_records_a_job_and_what_only_types_need_is_no_code_of_it(tmp_path):
-    files = [PROJECT / "workflow/scripts/chunk.py", PROJECT / "src/model/study/sweep.py"]
+    files = [PROJECT / "workflow/scripts/chunk.py", PROJECT / "src/model/sweeps/sweep.py"]
     assert not [path for path in import_closure(*files) if path.parent.name == "tracking"]
     typed = tmp_path / "typed.py"
     typed.write_text(
         "from typing import TYPE_CHECKING\n"
         "if TYPE_CHECKING:\n    from model.study.config.study import Study\n"
-        "else:\n    from model.study.files import write_text\n"
+        "else:\n    from model.sweeps.files import write_text\n"
     )
     assert {path.name for path in import_closure(typed)} == {"typed.py", "files.py"}
 

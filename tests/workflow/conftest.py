@@ -29,9 +29,16 @@ TINY: dict[str, Any] = {
         "fig13": {"x": {"count": 4}, "y": {"count": 3}, "chunks": 3},
     },
     "maps": {
-        "resolution": {"figures": 4, "planes": 2},
-        "chunks": 2,
-        "ensemble": {"phases": 2, "tilts": [1.0], "every": 4},
+        "ensemble": {"phases": 2, "tilts": [1.0], "every": 2},
+        "planes": {
+            name: {"x": {"count": 3}, "y": {"count": 3}, "chunks": 1}
+            for name in (
+                "press_force_frequency",
+                "friction_press_force",
+                "clearance_misalignment",
+                "stiffnesses",
+            )
+        },
     },
     "accuracy": {
         "horizon": 30.0,
@@ -76,11 +83,12 @@ PRELOADED = """
 import json, os, runpy, select, signal, socket, sys
 import matplotlib.pyplot, netCDF4, pint, scipy.ndimage, scipy.special, smart_open, xarray
 import snakemake.cli, snakemake.report.html_reporter
-import model.study.claims, model.study.config, model.study.maps
+import model.study.claims, model.study.config, model.study.plans
 from model.engines.batch.lane_events import lane_events_of
+from model.events.kernels import in_kernels
 
 for scene in model.ALIGNMENT, model.INSERTION:
-    lane_events_of(scene.events)  # derived once
+    lane_events_of(in_kernels(scene).events)  # derived once
 
 READ_AT_IMPORT = "PYTHONPATH", "XDG_CACHE_HOME"
 sys.executable = os.path.abspath("python")  # with which Snakemake runs scripts
@@ -161,7 +169,6 @@ class Workspace:
         "tiny/data/fig05.nc",
         "tiny/data/fig11.nc",
         "tiny/data/fig13.nc",
-        "tiny/data/maps/fig13.nc",
     )
     BESIDE = ("tiny/data/precision.csv",)
     PICTURES = tuple(f"tiny/figures/fig11.{kind}" for kind in ("png", "svg", "pdf"))

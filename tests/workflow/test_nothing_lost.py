@@ -257,8 +257,8 @@ def of_another_study(path: Path) -> None:
     """The file has a fitting sidecar, so that only its content shows the error."""
     import xarray as xr  # noqa: PLC0415
 
-    from model.study.files import write_json  # noqa: PLC0415
-    from model.study.io import write_dataset  # noqa: PLC0415
+    from model.sweeps.files import write_json  # noqa: PLC0415
+    from model.sweeps.io import write_dataset  # noqa: PLC0415
     from model.tracking.job import file_hash  # noqa: PLC0415
 
     with xr.open_dataset(path) as stored:

@@ -1,6 +1,7 @@
 """Jobs that run again after an edit are exactly those that depend on it, by the real Snakemake.
 
-The outputs are empty files that Snakemake takes for made, so that every case is one dry run.
+The outputs are empty files that Snakemake takes for made, so that every case is one dry run. Each
+takes seconds: `make test` tries eight edits, `make nightly` all.
 """
 
 import contextlib
@@ -21,9 +22,8 @@ COMPARED = {"precision", "hard_cases", "draw_methods"}
 METHODS = {*COMPARED, *LAST}
 JUDGED = {"claims", *LAST}
 DRAWN = {"plot", *JUDGED}
-MAPPED = {"map_part", "map"}
 COMPUTED = {
-    "sweep", "chunk", "merge", *MAPPED, "claims_runs", *METHODS, *DRAWN, "explorer",
+    "sweep", "chunk", "merge", "claims_runs", *METHODS, *DRAWN, "explorer",
 }  # fmt: skip
 KERNELS = {"kernels", "unlocated_kernels", "page_engines"}
 EVERYTHING = {*KERNELS, "schematic", *COMPUTED}
@@ -32,41 +32,35 @@ EDIT = ("\nfrom ", "\nEDITED = True\nfrom ")
 
 # (file, what stands there, what an edit puts there, the rules that must run again)
 EDITS = [
-    # The physics and the engines
     ("src/model/physics/forces.py", "return -p.press_force", "return -1.01 * p.press_force",
      {*KERNELS, *COMPUTED}),
-    ("src/model/physics/geometry.py", "return ", "return 1.0 * ", EVERYTHING),
     ("benchmarks/methods/by_hand.py", *EDIT, {"unlocated_kernels", *METHODS}),
-    # The study: what a section of the configuration allows, and what makes its datasets
-    ("src/model/study/config/methods.py", "gt=0.0", "gt=1e-9",
-     {*METHODS, "explorer"}),
-    ("src/model/study/config/accuracy.py", *EDIT, {"explorer", *LAST}),
     ("src/model/study/config/runs.py", *EDIT, {"explorer", *LAST}),
-    ("src/model/study/config/settings.py", *EDIT, COMPUTED),
-    ("src/model/study/files.py", "0o666", "0o660", EVERYTHING),
-    ("src/model/study/io.py", '"complevel": 4', '"complevel": 5', COMPUTED - COMPARED),
-    ("src/model/study/sweep.py", "_STATIC = 1.0", "_STATIC = 2.0",
-     COMPUTED - {*MAPPED, *COMPARED}),
-    ("src/model/study/maps/compute.py", "PERIODS = 0.4", "PERIODS = 0.5",
-     {*MAPPED, "plot", "explorer", *LAST}),
+    ("src/model/sweeps/io.py", '"complevel": 4', '"complevel": 5', COMPUTED - COMPARED),
     ("src/model/study/claims/claims.yaml", "least: 0.8", "least: 0.7", JUDGED),
-    # What is shown
-    ("src/model/show/style.py", '"font.size": 9.0', '"font.size": 9.5', PICTURES),
     ("src/model/show/maps.py", "_SPREAD_FOR_LOG = 8.0", "_SPREAD_FOR_LOG = 9.0",
      {"plot", *LAST}),
+    ("workflow/scripts/merge.py", *EDIT, {"merge", *DRAWN, "explorer"}),
+    ("requirements.lock", "numpy==", "numpy==9.", EVERYTHING),
+]  # fmt: skip
+MORE_EDITS = [
+    ("src/model/physics/geometry.py", "return ", "return 1.0 * ", EVERYTHING),
+    ("src/model/study/config/methods.py", "gt=0.0", "gt=1e-9", {*METHODS, "explorer"}),
+    ("src/model/study/config/accuracy.py", *EDIT, {"explorer", *LAST}),
+    ("src/model/sweeps/settings.py", *EDIT, COMPUTED),
+    ("src/model/sweeps/files.py", "0o666", "0o660", EVERYTHING),
+    ("src/model/sweeps/sweep.py", "_STATIC = 1.0", "_STATIC = 2.0", COMPUTED - COMPARED),
+    ("src/model/show/style.py", '"font.size": 9.0', '"font.size": 9.5', PICTURES),
     ("src/model/show/schematics/sheet.py", *EDIT, {"schematic", *LAST}),
     ("src/model/show/report/page.html.j2", "how safely", "how surely", LAST),
     ("src/model/show/report/findings.claims.html.j2", "Thresholds", "on trial", LAST),
     ("src/model/show/explorer/page.main.js", "CELLS = 65", "CELLS = 33", {"explorer", *LAST}),
-    # Scripts and pins
-    ("workflow/scripts/merge.py", *EDIT, {"merge", *DRAWN, "explorer"}),
     ("workflow/scripts/plot.py", *EDIT, {"plot", *LAST}),
-    ("requirements.lock", "numpy==", "numpy==9.", EVERYTHING),
 ]  # fmt: skip
 # On which no job depends: a docstring, what records the jobs, commands, what has rules of its own.
 OF_NO_JOB = [
     ("src/model/physics/forces.py", "-f0, the initial", "Other words, the initial"),
-    ("src/model/study/assessment/leeways.py", *EDIT),
+    ("src/model/device/leeways.py", *EDIT),
     ("src/model/tracking/job.py", *EDIT),
     ("src/model/cli/main.py", *EDIT),
     ("verification/accuracy.py", "TIGHT = 1e-13", "TIGHT = 1e-12"),
@@ -101,7 +95,11 @@ def edited(project: Any, file: str, old: str, new: str) -> Iterator[None]:
         project.checkout = PROJECT
 
 
-@pytest.mark.parametrize(("file", "old", "new", "expected"), EDITS, ids=[each[0] for each in EDITS])
+@pytest.mark.parametrize(
+    ("file", "old", "new", "expected"),
+    [*EDITS, *(pytest.param(*each, marks=pytest.mark.nightly) for each in MORE_EDITS)],
+    ids=[each[0] for each in (*EDITS, *MORE_EDITS)],
+)
 def test_an_edit_runs_again_what_depends_on_it_and_nothing_else(
     project: Any, file: str, old: str, new: str, expected: set[str]
 ) -> None:
@@ -116,6 +114,7 @@ def test_no_job_runs_again_after_edits_on_which_none_depends(project: Any) -> No
         assert project.planned() == set()
 
 
+@pytest.mark.nightly
 def test_the_reason_of_a_rerun_names_the_file(project: Any) -> None:
     with edited(project, "workflow/scripts/plot.py", *EDIT):
         run = project.dry_run("tiny/figures/fig11.png", "--quiet", "host")
@@ -126,22 +125,21 @@ def test_the_reason_of_a_rerun_names_the_file(project: Any) -> None:
 
 # A part of the configuration, and the rules that must run again
 STATED = [
-    # Maps mark where other figures stand: they are assembled anew, and not computed.
-    ({"figures": {"fig11": {"held": {"press_force": 2.6}}}},
-     {"sweep", "map", "explorer", *DRAWN}),
+    # Maps mark where other figures stand: they are drawn anew, and not computed.
+    ({"figures": {"fig11": {"held": {"press_force": 2.6}}}}, {"sweep", "explorer", *DRAWN}),
     ({"figures": {"fig11": {"title": "Another title"}}}, {"sweep", "explorer", *DRAWN}),
     # Captions stand on the two pages, and in no dataset.
     ({"figures": {"fig11": {"caption": "Another caption."}}}, {"explorer", *LAST}),
     ({"figures": {"fig13": {"caption": "Another caption."}}}, {"explorer", *LAST}),
-    # The picture is that of the refined map, with the figure's own points that do not go in.
     ({"figures": {"fig13": {"chunks": 2}}}, {"chunk", "merge", "explorer", *DRAWN}),
     ({"settings": {"tolerance": 1e-9}}, COMPUTED),
     ({"claims_runs": {"rubbing": {"held": {"frequency": 0.6}}}},
      {"claims_runs", "plot", "explorer", *JUDGED}),
 ]  # fmt: skip
-OF_ALL = {"map", "explorer", "draw_methods", "claims", *LAST}
+OF_ALL = {"explorer", "draw_methods", "claims", *LAST}
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(("stated", "expected"), STATED, ids=[str(each[0]) for each in STATED])
 def test_a_change_of_the_configuration_runs_again_what_it_is_about(
     project: Any, tiny: dict[str, Any], stated: dict[str, Any], expected: set[str]
@@ -166,6 +164,7 @@ def test_a_change_of_the_configuration_runs_again_what_it_is_about(
         assert others <= own
 
 
+@pytest.mark.nightly
 def test_a_lost_file_is_made_again(project: Any) -> None:
     lost = project.folder / "tiny/figures/fig07.svg"
     kept = lost.rename(lost.with_suffix(".kept"))

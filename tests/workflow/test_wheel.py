@@ -68,7 +68,7 @@ def test_a_wheel_runs_without_the_checkout(distributions: dict[str, Path], tmp_p
     with zipfile.ZipFile(distributions[".whl"]) as archive:
         for file in study_files(study_path()):
             assert f"model/study/config/{file.name}" in archive.namelist()
-        assert "model/study/devices/new.yaml" in archive.namelist()
+        assert "model/device/new.yaml" in archive.namelist()
         archive.extractall(tmp_path / "installed")
     code = (
         "import model; from model.study.config import baseline; "

@@ -78,7 +78,6 @@ def test_an_edit_below_every_job_leaves_none_of_them_out(copy_of_built: Any) -> 
     edited = copy_of_built.dry_run(*copy_of_built.DATA, *copy_of_built.BESIDE)
     counts = dict(line.split() for line in edited.stdout.splitlines() if len(line.split()) == 2)
     jobs = ("kernels", "sweep", "chunk", "merge", "unlocated_kernels", "precision")
-    jobs += ("map_part", "map")
     assert set(jobs) <= set(counts), edited.stdout
     assert int(counts["chunk"]) == 3
 
@@ -92,7 +91,13 @@ def test_accuracy_prints_what_it_found_whether_or_not_it_computes(workspace: Any
     assert found in run.stdout
     with (root / "runs.csv").open(encoding="utf-8", newline="") as stream:
         indexed = {row["run"] for row in csv.DictReader(stream)}
-    assert indexed == {"kernels", "trial/error/0", "trial/error/1", "trial/settled/0", "judge"}
+    assert indexed == {
+        "kernels",
+        "trial/error/0",
+        "trial/error/1",
+        "trial/settled/0",
+        "trial_summary",
+    }
     again = workspace.forked("accuracy")
     assert found in again.stdout
     assert "trying chunk" not in again.stdout + again.stderr
@@ -109,7 +114,7 @@ def test_fuzz_with_more_sets_tries_only_the_further_ones(copy_of_built: Any) -> 
     assert "fuzz_part 2" in " ".join(dry.stdout.split()), dry.stdout + dry.stderr
 
 
-THREADED = ("sweep", "merge", "map", "claims_runs", "claims", "plot")
+THREADED = ("sweep", "merge", "claims_runs", "claims", "plot")
 
 
 def build_whole(made: Any, cores: int, first: str | None) -> list[str]:

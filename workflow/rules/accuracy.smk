@@ -27,7 +27,7 @@ rule trial:
         "../scripts/trial.py"
 
 
-rule judge:
+rule trial_summary:
     input:
         **{
             trial: expand(f"<results>/accuracy/{trial}/{{chunk}}.csv", chunk=range(chunks))
@@ -36,16 +36,16 @@ rule judge:
     output:
         tables=expand("<results>/accuracy/{trial}.csv", trial=trial_chunks),
         text="<results>/accuracy/summary.txt",
-        record="<results>/accuracy/judge.run.json",
+        record="<results>/accuracy/summary.run.json",
     log:
-        "<results>/logs/judge.log",
+        "<results>/logs/trial_summary.log",
     localrule: True
     params:
-        *code("judge"),
+        *code("trial_summary"),
     message:
-        "judging the trials"
+        "summing up the trials"
     script:
-        "../scripts/judge.py"
+        "../scripts/trial_summary.py"
 
 
 # A larger number of sets adds parts; finished parts stay.
@@ -88,7 +88,7 @@ rule fuzz_summary:
         "../scripts/fuzz_summary.py"
 
 
-# These print a result even if nothing was computed. They are no runs: their log is not below logs/.
+# These print a result even if nothing was computed. They are no runs: their logs are not below logs/.
 for name, text, must_end in (
     ("accuracy", "accuracy/summary.txt", ""),
     ("fuzz", f"accuracy/fuzz_{campaign.scene}.txt", HOLDS),
@@ -101,7 +101,7 @@ for name, text, must_end in (
         input:
             f"<results>/{text}",
         log:
-            "<results>/accuracy/printed.log",
+            f"<results>/{text}.log",
         localrule: True
         params:
             must_end=must_end,

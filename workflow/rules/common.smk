@@ -2,12 +2,9 @@
 
 from pathlib import Path
 
-from model.study.maps.plan import map_plan
-from model.study.sweep import sweep_of
-from model.tracking.code import code_hash, code_of
+from model.study.plans import marks_of, sweep_of
+from model.tracking.code import code_of
 from benchmarks.plans import HARD_PICTURES, PICTURES
-
-codes = {}  # hash of a script's code, by the script's name
 
 
 def code(script):
@@ -15,9 +12,7 @@ def code(script):
 
     Snakemake names the files that differ as the reason of a rerun: `snakemake -n --quiet host`.
     """
-    code = code_of(Path(workflow.basedir), f"workflow/scripts/{script}.py")
-    codes[script] = code_hash(code)
-    return code
+    return code_of(Path(workflow.basedir), f"workflow/scripts/{script}.py")
 
 
 def stated(plan):
@@ -30,14 +25,14 @@ def pictures(*places):
     return [f"<results>/{place}{kind}" for place in places for kind in (".png", ".svg", ".pdf")]
 
 
-def figure_sweep(wildcards):
-    """Return the sweep of a figure."""
-    return stated(sweep_of(study, wildcards.figure))
+def sweep(wildcards):
+    """Return the sweep of a figure or map."""
+    return stated(sweep_of(study, wildcards.name))
 
 
-def plan(wildcards):
-    """Return the plan of a map."""
-    return stated(map_plan(study, wildcards.map))
+def chunks(wildcards):
+    """Return the number of chunks of a figure or map."""
+    return study.spec_of(wildcards.name).chunks
 
 
 def picture_at(wildcards):

@@ -1,8 +1,9 @@
-"""Data of the figures and of jamming: compiled kernels, sweeps, and chunks of large ones, merged."""
+"""Data of figures, maps and jamming: compiled kernels, sweeps, and chunks of large ones, merged."""
 
+PLANES = [*study.maps.planes]  # maps that are no figures
 # Sweeps that one job computes: trajectories, figures of one chunk, and jamming.
-WHOLE = [*HISTORIES, *(name for name in GRIDDED if study.figures[name].chunks == 1), "jamming"]
-IN_CHUNKS = [name for name in GRIDDED if name not in WHOLE]
+IN_CHUNKS = [name for name in (*GRIDDED, *PLANES) if study.spec_of(name).chunks > 1]
+WHOLE = [name for name in (*COMPUTED, *PLANES, "jamming") if name not in IN_CHUNKS]
 
 
 # Compiles once, before jobs that would otherwise all compile at the same time. The output contains the
@@ -39,9 +40,9 @@ rule sweep:
     priority: 1
     params:
         *code("sweep"),
-        sweep=lambda wildcards: stated(sweep_of(study, wildcards.name)),
+        sweep=sweep,
         title=lambda wildcards: (
-            study.jamming if wildcards.name == "jamming" else study.figures[wildcards.name]
+            study.jamming if wildcards.name == "jamming" else study.spec_of(wildcards.name)
         ).title,
     message:
         "{wildcards.name}: computing its sweep"
@@ -53,17 +54,17 @@ rule chunk:
     input:
         "<results>/data/kernels.json",
     output:
-        data="<results>/data/chunks/{figure}/{chunk}.nc",
-        record="<results>/data/chunks/{figure}/{chunk}.run.json",
+        data="<results>/data/chunks/{name}/{chunk}.nc",
+        record="<results>/data/chunks/{name}/{chunk}.run.json",
     log:
-        "<results>/logs/chunk/{figure}/{chunk}.log",
+        "<results>/logs/chunk/{name}/{chunk}.log",
     priority: 1
     params:
         *code("chunk"),
-        sweep=figure_sweep,
-        chunks=lambda wildcards: study.figures[wildcards.figure].chunks,
+        sweep=sweep,
+        chunks=chunks,
     message:
-        "{wildcards.figure}: computing chunk {wildcards.chunk}"
+        "{wildcards.name}: computing chunk {wildcards.chunk}"
     script:
         "../scripts/chunk.py"
 
@@ -71,24 +72,24 @@ rule chunk:
 rule merge:
     input:
         lambda wildcards: expand(
-            "<results>/data/chunks/{figure}/{chunk}.nc",
-            figure=wildcards.figure,
-            chunk=range(study.figures[wildcards.figure].chunks),
+            "<results>/data/chunks/{name}/{chunk}.nc",
+            name=wildcards.name,
+            chunk=range(chunks(wildcards)),
         ),
     output:
-        data="<results>/data/{figure}.nc",
-        record="<results>/data/{figure}.run.json",
+        data="<results>/data/{name}.nc",
+        record="<results>/data/{name}.run.json",
     log:
-        "<results>/logs/merge/{figure}.log",
+        "<results>/logs/merge/{name}.log",
     wildcard_constraints:
-        figure="|".join(IN_CHUNKS),
+        name="|".join(IN_CHUNKS or ["-"]),  # an empty one would match every name
     priority: 1
     localrule: True
     params:
         *code("merge"),
-        sweep=figure_sweep,
-        title=lambda wildcards: study.figures[wildcards.figure].title,
+        sweep=sweep,
+        title=lambda wildcards: study.spec_of(wildcards.name).title,
     message:
-        "{wildcards.figure}: merging its chunks"
+        "{wildcards.name}: merging its chunks"
     script:
         "../scripts/merge.py"

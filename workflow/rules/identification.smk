@@ -7,7 +7,7 @@ from model.study.identification.space import space_of
 
 search = study.identification
 space = stated(space_of(study))
-JUDGED = expand("<results>/identification/final/{number}.json", number=range(search.final.sets))
+SCORED = expand("<results>/identification/final/{number}.json", number=range(search.final.sets))
 
 
 rule search_pool:
@@ -58,7 +58,7 @@ rule search_final:
             round=len(search.rounds) - 1,
         ),
     output:
-        judged="<results>/identification/final/{number}.json",
+        scored="<results>/identification/final/{number}.json",
         record="<results>/identification/final/{number}.run.json",
     log:
         "<results>/logs/search_final/{number}.log",
@@ -67,16 +67,16 @@ rule search_final:
         space=space,
         stages=[stated(stage) for stage in search.final.stages],
     message:
-        "search: judging set {wildcards.number} on the study's own grids"
+        "search: scoring set {wildcards.number} on the study's own grids"
     script:
         "../scripts/search_final.py"
 
 
 rule search_polish:
     input:
-        JUDGED,
+        SCORED,
     output:
-        judged="<results>/identification/polished/{number}.json",
+        scored="<results>/identification/polished/{number}.json",
         record="<results>/identification/polished/{number}.run.json",
     log:
         "<results>/logs/search_polish/{number}.log",
@@ -93,7 +93,7 @@ rule search_polish:
 
 rule search_summary:
     input:
-        JUDGED,
+        SCORED,
         expand("<results>/identification/polished/{number}.json", number=range(search.polish.sets)),
     output:
         sets="<results>/identification/sets.csv",

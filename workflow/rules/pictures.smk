@@ -1,27 +1,19 @@
 """Pictures: schematics, and one picture or more of each dataset."""
 
-PLANES = [name for name in study.map_names if name not in MAPS]  # maps that are no figures
 WITH_VIBRATION = ("fig13", "friction_press_force")  # maps with a picture of what vibration adds
 
-# Data, drawing and category of the report, by the picture. A figure that is a map is drawn as the
-# refined map with the figure's own points.
+# Data, drawing and category of the report, by the picture.
 PLOTTED = {
+    **{name: ([f"data/{name}.nc"], "figure", "Figures of the paper") for name in COMPUTED},
+    **{name: ([f"data/{name}.nc"], "figure", "Stability maps") for name in PLANES},
     **{
-        name: (
-            [f"data/maps/{name}.nc"] * (name in MAPS) + [f"data/{name}.nc"],
-            "figure",
-            "Figures of the paper",
-        )
-        for name in COMPUTED
-    },
-    **{f"maps/{name}": ([f"data/maps/{name}.nc"], "figure", "Stability maps") for name in PLANES},
-    **{
-        f"maps/{name}_vibration": ([f"data/maps/{name}.nc"], "vibration", "Stability maps")
+        f"{name}_vibration": ([f"data/{name}.nc"], "vibration", "Stability maps")
         for name in WITH_VIBRATION
     },
     "claims": ([f"data/claims/{run}.nc" for run in study.claims_runs], "claims", "Claims"),
     "jamming": (["data/jamming.nc"], "jamming", "Claims"),
 }
+MARKED = [*MAPS, *PLANES]  # pictures with marks where the other figures stand
 
 
 rule schematic:
@@ -66,6 +58,9 @@ rule plot:
     params:
         *code("plot"),
         drawing=lambda wildcards: PLOTTED[wildcards.picture][1],
+        more=lambda wildcards: (
+            {"marks": marks_of(study, wildcards.picture)} if wildcards.picture in MARKED else {}
+        ),
     message:
         "{wildcards.picture}: plotting"
     script:
@@ -86,5 +81,5 @@ for name in FIGURES:
 # `snakemake -c2 maps` builds the maps that are no figures of the paper.
 rule maps:
     input:
-        pictures(*(f"figures/maps/{name}" for name in PLANES)),
-        pictures(*(f"figures/maps/{name}_vibration" for name in WITH_VIBRATION)),
+        pictures(*(f"figures/{name}" for name in PLANES)),
+        pictures(*(f"figures/{name}_vibration" for name in WITH_VIBRATION)),

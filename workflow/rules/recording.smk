@@ -6,7 +6,7 @@ from model.tracking import TrackingError
 from model.tracking.job import announce
 
 try:
-    announce(study.model_dump_json(), codes)
+    announce(study.model_dump_json(), Path(workflow.basedir))
 except TrackingError as edited:
     raise WorkflowError(str(edited))
 

@@ -6,7 +6,7 @@ shown = [
     *HARD_PICTURES.values(),
     "figures/claims",
     "figures/jamming",
-    *(f"figures/maps/{map}_vibration" for map in WITH_VIBRATION if map in MAPS),
+    *(f"figures/{map}_vibration" for map in WITH_VIBRATION if map in MAPS),
 ]
 
 
@@ -30,7 +30,6 @@ rule explorer:
     input:
         "<results>/data/page_engines.json",
         maps=expand("<results>/data/{map}.nc", map=MAPS),
-        refined=expand("<results>/data/maps/{map}.nc", map=MAPS),
     output:
         page=report(
             "<results>/explorer.html",
@@ -56,7 +55,6 @@ rule report:
         "<results>/explorer.html",
         pictures(*shown),
         expand("<results>/data/{figure}.nc", figure=COMPUTED),
-        expand("<results>/data/maps/{map}.nc", map=MAPS),
         expand("<results>/benchmarks/{table}.csv", table=["precision", "hard_cases"]),
         "<results>/data/jamming.nc",
         "<results>/claims.csv",

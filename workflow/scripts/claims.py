@@ -4,8 +4,8 @@ from pathlib import Path
 
 from model.study.claims import Tables, judge
 from model.study.claims.ledger import ledger_text, lines_of
-from model.study.files import write_text
-from model.study.io import read_dataset
+from model.sweeps.files import write_text
+from model.sweeps.io import read_dataset
 from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake):

@@ -6,12 +6,11 @@ from model.runs.in_browser import modules
 from model.show.explorer.content import study_model
 from model.show.explorer.page import build_page
 from model.study.config.study import Study
-from model.study.files import write_text
+from model.sweeps.files import write_text
 from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake):
     made, study = modules(), Study.model_validate(snakemake.params.study)
-    files = zip(snakemake.input.maps, snakemake.input.refined, strict=True)
-    maps = [(Path(coarse), Path(refined)) for coarse, refined in files]
+    maps = [Path(file) for file in snakemake.input.maps]
     page = build_page(study_model(study, made.interface, maps), made)
     write_text(page, Path(snakemake.output.page))

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from model.study.files import write_text
+from model.sweeps.files import write_text
 from model.tracking.job import recorded, snakemake
 from verification.fuzz_campaign import report_text, try_part
 

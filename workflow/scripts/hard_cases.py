@@ -4,7 +4,7 @@ from pathlib import Path
 
 from benchmarks.hard_cases import compile_batch, judge, methods_for, table_of, true_run
 from benchmarks.plans import HardCasesPlan
-from model.study.files import write_text
+from model.sweeps.files import write_text
 from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake) as metadata:

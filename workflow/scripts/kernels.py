@@ -6,7 +6,7 @@ from model.events.insertion import INSERTION
 from model.physics.parameters import Parameters
 from model.runs.align import align
 from model.runs.simulate import simulate
-from model.study.files import write_json
+from model.sweeps.files import write_json
 from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake) as metadata:

@@ -2,14 +2,14 @@
 
 from pathlib import Path
 
-from model.study.io import outcome_counts, read_pieces, write_dataset
-from model.study.sweep import Sweep, merge
+from model.sweeps.io import outcome_counts, read_chunks, write_dataset
+from model.sweeps.sweep import Sweep, merge
 from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake) as metadata:
     sweep = Sweep.model_validate(snakemake.params.sweep)
     files = [Path(file) for file in snakemake.input]
-    chunks = read_pieces("chunk", files, sweep.figure, sweep.identity)
+    chunks = read_chunks(files, sweep.name, sweep.identity)
     dataset = merge(sweep, snakemake.params.title, chunks)
     write_dataset(dataset, Path(snakemake.output.data))
     metadata |= {**sweep.metadata, "counts": outcome_counts(dataset)}

@@ -4,7 +4,7 @@ import hashlib
 from pathlib import Path
 
 from model.runs.in_browser import modules
-from model.study.files import write_json
+from model.sweeps.files import write_json
 from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake):

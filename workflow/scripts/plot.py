@@ -4,10 +4,10 @@ from pathlib import Path
 
 from model.show.plots import DRAWINGS
 from model.show.style import save
-from model.study.io import read_dataset
+from model.sweeps.io import read_dataset
 from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake):
     datasets = [read_dataset(Path(file)) for file in snakemake.input]
-    figure = DRAWINGS[snakemake.params.drawing](*datasets)
+    figure = DRAWINGS[snakemake.params.drawing](*datasets, **snakemake.params.more)
     save(figure, Path(snakemake.output.png).with_suffix(""))

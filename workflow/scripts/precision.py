@@ -5,7 +5,7 @@ from pathlib import Path
 from benchmarks.methods import METHODS
 from benchmarks.plans import PrecisionPlan
 from benchmarks.work_precision import Setting, Truth, measured, table_of, true_run
-from model.study.files import write_text
+from model.sweeps.files import write_text
 from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake) as metadata:

@@ -6,7 +6,7 @@ from benchmarks.report import SECTIONS
 from model.show.report.page import render_report
 from model.show.report.section import Results
 from model.study.config.study import Study
-from model.study.files import write_text
+from model.sweeps.files import write_text
 from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake):

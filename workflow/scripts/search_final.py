@@ -1,12 +1,12 @@
-"""Judge a set of the search on the study's own grids."""
+"""Score a set of the search on the study's own grids."""
 
 from pathlib import Path
 
 from model.study.config.identification import Stage
-from model.study.files import write_text
 from model.study.identification.search import final
 from model.study.identification.space import Space
-from model.study.identification.tables import judged_text, read_found
+from model.study.identification.tables import read_found, scored_text
+from model.sweeps.files import write_text
 from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake, part=True):
@@ -14,4 +14,4 @@ with recorded(snakemake, part=True):
     found = read_found(space, [Path(file) for file in snakemake.input])
     stages = [Stage.model_validate(stage) for stage in snakemake.params.stages]
     choice, datasets = final(space, stages, int(snakemake.wildcards.number), found)
-    write_text(judged_text(space, choice, datasets), Path(snakemake.output.judged))
+    write_text(scored_text(space, choice, datasets), Path(snakemake.output.scored))

@@ -1,18 +1,18 @@
-"""Take small steps from a set that was judged, on the study's own grids."""
+"""Take small steps from a set that was scored, on the study's own grids."""
 
 from pathlib import Path
 
 from model.study.config.identification import Stage
-from model.study.files import write_text
 from model.study.identification.search import polish
 from model.study.identification.space import Space
-from model.study.identification.tables import judged_text, read_judged
+from model.study.identification.tables import read_scored, scored_text
+from model.sweeps.files import write_text
 from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake, part=True):
     space = Space.model_validate(snakemake.params.space)
-    found = read_judged(space, [Path(file) for file in snakemake.input])
+    found = read_scored(space, [Path(file) for file in snakemake.input])
     stages = [Stage.model_validate(stage) for stage in snakemake.params.stages]
     number, trials = int(snakemake.wildcards.number), int(snakemake.params.trials)
     choice, datasets = polish(space, stages, trials, number, found)
-    write_text(judged_text(space, choice, datasets), Path(snakemake.output.judged))
+    write_text(scored_text(space, choice, datasets), Path(snakemake.output.scored))

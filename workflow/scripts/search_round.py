@@ -3,10 +3,10 @@
 from pathlib import Path
 
 from model.study.config.identification import Round
-from model.study.files import write_text
 from model.study.identification.search import evolve
 from model.study.identification.space import Space
 from model.study.identification.tables import found_text, read_found
+from model.sweeps.files import write_text
 from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake, part=True):

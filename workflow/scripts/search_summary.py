@@ -1,10 +1,10 @@
-"""Order the sets that were judged, and state the best one as the configuration does."""
+"""Order the sets that were scored, and state the best one as the configuration does."""
 
 from pathlib import Path
 
-from model.study.files import write_text
 from model.study.identification.space import Space
 from model.study.identification.tables import summary_texts
+from model.sweeps.files import write_text
 from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake):

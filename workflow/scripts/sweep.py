@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from model.study.io import outcome_counts, write_dataset
-from model.study.sweep import Sweep, merge, run
+from model.sweeps.io import outcome_counts, write_dataset
+from model.sweeps.sweep import Sweep, merge, run
 from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake) as metadata:

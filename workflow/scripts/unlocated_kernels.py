@@ -4,7 +4,7 @@ from pathlib import Path
 
 from benchmarks.methods import compile_unlocated
 from model.physics.parameters import Parameters
-from model.study.files import write_json
+from model.sweeps.files import write_json
 from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake) as metadata:

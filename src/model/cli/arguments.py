@@ -12,6 +12,10 @@ from typing import Any, get_args
 
 from model.cli.tables import in_columns
 from model.compile.cache import cache_folder
+from model.device import StatedDevice, load_device
+from model.device.amounts import read_amount
+from model.device.base import BASE
+from model.device.holder import RATIOS
 from model.physics.parameters import FIELDS, PARAMETER_NAMES, Parameters, check_name
 from model.physics.quantities import LENGTH, TIME
 from model.physics.rest import Start
@@ -19,10 +23,6 @@ from model.physics.units import UNITS, Units
 from model.physics.variants import VARIANT_NAMES, Variant, Variants
 from model.runs.settings import SCENES, Settings
 from model.study.config import FIGURES, Study, load_study, study_path
-from model.study.devices import StatedDevice, load_device
-from model.study.devices.amounts import read_amount
-from model.study.devices.base import BASE
-from model.study.devices.holder import RATIOS
 
 
 def add_command(

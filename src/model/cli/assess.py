@@ -31,12 +31,13 @@ from model.show import si
 from model.show.assumptions import assumptions, lines_of, source_words
 
 if TYPE_CHECKING:
+    from model.device import StatedDevice
+    from model.device.assess import Assessment, BaseVerdict
+    from model.device.design_trials import Check
+    from model.device.leeways import Leeway, Nearest
+    from model.device.yields import FailingDevice, Yield
     from model.runs.settings import Settings
-    from model.study.assessment import Assessment, BaseVerdict, Leeway, Nearest
-    from model.study.assessment.yields import FailingDevice, Yield
-    from model.study.config import Ensemble
-    from model.study.design_judges import Thorough
-    from model.study.devices import StatedDevice
+    from model.sweeps.settings import Ensemble
 
 _line = "{:<16}{}".format
 _FEW = 256  # devices drawn where the stated device goes in from no start: the yield is low
@@ -80,7 +81,7 @@ def _assess(arguments: argparse.Namespace) -> int:
         if stated is None:
             raise ValueError("--sheet needs --device FILE")
     announce_compilation()
-    from model.study.assessment import assess  # noqa: PLC0415  (only this command)
+    from model.device.assess import assess  # noqa: PLC0415  (only this command)
 
     ensemble, cores = given.study.maps.ensemble, os.cpu_count() or 1
     drawn, nearest = None, None
@@ -125,7 +126,7 @@ def _assess(arguments: argparse.Namespace) -> int:
     return int(not met)
 
 
-def headline(result: "Assessment", drawn: "Yield | Thorough | None") -> str:
+def headline(result: "Assessment", drawn: "Yield | Check | None") -> str:
     """Return the verdict on a device at its stated values, and within its tolerances."""
     words = f"{'' if result.reliable else 'not '}reliable at the stated values"
     if result.depends_on_base:
@@ -135,9 +136,9 @@ def headline(result: "Assessment", drawn: "Yield | Thorough | None") -> str:
     return f"{words}; yield {_yield_words(drawn)} under the tolerances"
 
 
-def _yield_words(drawn: "Yield | Thorough") -> str:
+def _yield_words(drawn: "Yield | Check") -> str:
     """Return the share of drawn devices that go in, its interval and its level of confidence."""
-    from model.study.assessment.yields import CONFIDENCE, interval  # noqa: PLC0415  (scipy)
+    from model.device.yields import CONFIDENCE, interval  # noqa: PLC0415  (scipy)
 
     shares = drawn.going_in / drawn.devices, *interval(drawn.going_in, drawn.devices)
     share, low, high = (f"{100.0 * each:.4g} %" for each in shares)
@@ -148,7 +149,7 @@ def _required(
     arguments: argparse.Namespace, stated: "StatedDevice | None"
 ) -> tuple[float | None, int]:
     """Return the yield of --require, or None, and the number of --devices."""
-    from model.study.assessment.yields import check_devices  # noqa: PLC0415  (only this command)
+    from model.device.yields import check_devices  # noqa: PLC0415  (only this command)
 
     devices = check_devices(number("devices", arguments.devices))
     if arguments.require is None:
@@ -170,10 +171,11 @@ def _drawn(
     devices: int,
 ) -> tuple["Yield", "FailingDevice | None"]:
     """Return the yield of a device, and the nearest drawn device that fails."""
-    from model.study.assessment import judge, yields  # noqa: PLC0415  (scipy)
-    from model.study.maps.starts import starts_of  # noqa: PLC0415
+    from model.device import yields  # noqa: PLC0415  (scipy)
+    from model.device.reliability import STATISTICAL_TOLERANCE  # noqa: PLC0415
+    from model.sweeps.starts import starts_of  # noqa: PLC0415
 
-    settings = replace(settings, tolerance=max(settings.tolerance, judge.STATISTICAL_TOLERANCE))
+    settings = replace(settings, tolerance=max(settings.tolerance, STATISTICAL_TOLERANCE))
     starts = starts_of(stated.device.parameters, ensemble)
     if not result.aligned:
         devices = min(devices, _FEW)

@@ -39,7 +39,7 @@ def _claims(arguments: argparse.Namespace) -> int:
     # Imported here: importing xarray takes a second that no other command should wait for.
     from model.study.claims import Tables, judge, tally  # noqa: PLC0415
     from model.study.claims.ledger import lines_of  # noqa: PLC0415
-    from model.study.io import read_dataset  # noqa: PLC0415
+    from model.sweeps.io import read_dataset  # noqa: PLC0415
 
     data: Path = arguments.root / "data"
     files = sorted(data.glob("fig*.nc"))

@@ -3,7 +3,6 @@
 import argparse
 import os
 from collections.abc import Mapping
-from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,19 +16,19 @@ from model.cli.arguments import (
     read_inputs,
 )
 from model.cli.assess import headline
-from model.cli.files import check_file, check_picture
+from model.cli.files import check_file, check_picture, writing
 from model.cli.progress import ProgressLine
 from model.cli.tables import in_columns, print_json
+from model.device.stated import VIBRATION, StatedDevice
 from model.physics.quantities import ANGLE, FORCE, TIME
 from model.show.assumptions import as_attribute, assumptions_with, lines_of
 from model.show.si import named_words, si_words
-from model.study.devices.stated import VIBRATION
 
 if TYPE_CHECKING:
-    from model.study.design import Design, OtherFriction, Search
+    from model.device.design import Design
+    from model.device.design_trials import Trials
 
 _MEASURES = {"time": TIME, "contact_force": FORCE, "tilt": ANGLE}
-_OTHER_FRICTIONS = (2.0 / 3.0, 4.0 / 3.0)  # factors of the stated friction
 _line = "{:<23}{}".format
 
 
@@ -42,22 +41,22 @@ def add(commands: Any) -> None:
         "choose the free quantities of a device for the largest margin, then time",
         ". The device file names what is free (free: {press_force: 5 to 20 N}) and the limits "
         "(limits: {contact_force: 60 N, time: 0.2 s, tilt: 10 deg, vibration: needed}, or not "
-        "needed; time and tilt until alignment, not until insertion). Each setting tried is judged "
+        "needed; time and tilt until alignment, not until insertion). Each setting is tried "
         "quickly, by devices within one, two and three times the tolerances. Of the settings with "
         "which all devices within the tolerances go in, the best is the one whose nearest failure "
-        "is farthest, then the fastest. It is judged again as `vibralign assess` judges it; if it "
-        "does not hold, the search goes on.",
+        "is farthest, then the fastest. It is checked as `vibralign assess` checks it; if it does "
+        "not hold, the next best is.",
         epilog="exit code: 0 a setting keeps the limits; 1 none of those tried does; 2 bad input",
     )
     add_model_options(parser, scene="insertion")
     add = parser.add_argument
-    words = "netCDF file with every setting tried; a search that finds its own continues from it"
+    words = "netCDF file with every setting tried; an old one is replaced"
     add("--out", type=Path, metavar="FILE", help=words)
     add("--plot", type=Path, metavar="FILE", help="draw time against margin into FILE")
     add("--generations", default="12", metavar="N", help="of the search (default: 12)")
     add("--population", default="24", metavar="N", help="settings a generation (default: 24)")
     add("--seed", default="0", metavar="N", help="of the search (default: 0)")
-    words = "devices by which the recommended setting is judged, a power of two (default: 4096)"
+    words = "devices by which the recommended setting is checked, a power of two (default: 4096)"
     add("--devices", metavar="N", default="4096", help=words)
     add_json(parser)
 
@@ -74,94 +73,80 @@ def _design(arguments: argparse.Namespace) -> int:
         for name, least in (("generations", 1), ("population", 5), ("seed", 0))
     )
     given = read_inputs(arguments)
-    search = _search(arguments, given, seed)
+    trials, assumed_tolerances = _trials(arguments, given, seed)
     announce_compilation()
+    from model.device.design import search  # noqa: PLC0415  (only this command)
+
     with ProgressLine() as line:
 
-        def after(generation: int) -> None:
-            _keep(search, arguments.out)
-            line.begin(f"generation {generation} done, {len(search.known):,} settings tried")
+        def after(generation: int, tried: int) -> None:
+            line.begin(f"generation {generation} done, {tried:,} settings tried")
 
         line.begin("generation 1")
-        design = search.run(generations, population, after)
-        assumed = assumptions_with(
-            search.stated, design.setting, given.settings, given.study.maps.ensemble,
-            tolerances_assumed=search.tolerances_assumed,
-        )  # fmt: skip
-        _keep(search, arguments.out, design, assumed)
+        design = search(trials, generations, population, after)
         line.begin("recommended setting")
-        verdict, others = _verdict(design, search, given), []
-        if design.feasible:
-            line.begin("other frictions")
-            others = _other_frictions(search, max(generations // 2, 1), population)
-    if arguments.plot is not None:
-        from model.show.curves import draw_front  # noqa: PLC0415
-        from model.show.style import write  # noqa: PLC0415
-        from model.study.design_files import design_dataset  # noqa: PLC0415
-
-        write(draw_front(design_dataset(search, design)), arguments.plot)
+        verdict = _verdict(design, trials, given)
+    assumed = assumptions_with(
+        trials.stated, design.setting, given.settings, given.study.maps.ensemble,
+        tolerances_assumed=assumed_tolerances,
+    )  # fmt: skip
+    _write(arguments, design, trials.stated, assumed)
     if arguments.json:
-        print_json(_record(design, search, others) | {"verdict": verdict, "assumptions": assumed})
+        print_json(_record(design, trials) | {"verdict": verdict, "assumptions": assumed})
     else:
-        print("\n".join([*_report(design, search, verdict, others), *lines_of(assumed)]))
+        print("\n".join([*_report(design, trials, verdict), *lines_of(assumed)]))
     return int(not design.feasible)
 
 
-def _search(arguments: argparse.Namespace, given: Inputs, seed: int) -> "Search":
-    """Return the search of a device, with what a former search has written to --out."""
-    from model.study.assessment.yields import check_devices  # noqa: PLC0415  (as below)
-    from model.study.design import Search  # noqa: PLC0415  (only this command)
-    from model.study.design_judges import Judges  # noqa: PLC0415
-    from model.study.maps.starts import starts_of  # noqa: PLC0415
+def _trials(arguments: argparse.Namespace, given: Inputs, seed: int) -> tuple["Trials", bool]:
+    """Return the trials of the device's settings, and whether its tolerances are assumed."""
+    from model.device.design import with_tolerances  # noqa: PLC0415  (as in _design)
+    from model.device.design_trials import Trials  # noqa: PLC0415
+    from model.device.yields import check_devices  # noqa: PLC0415
+    from model.sweeps.starts import starts_of  # noqa: PLC0415
 
     assert given.stated is not None  # noqa: S101  (--device is given)
-    devices = check_devices(number("devices", arguments.devices))
+    stated, devices = (
+        with_tolerances(given.stated),
+        check_devices(number("devices", arguments.devices)),
+    )
     starts = starts_of(given.parameters, given.study.maps.ensemble)
-    cores = os.cpu_count() or 1
-    search = Search(Judges(given.stated, starts, given.settings, cores, seed, devices))
-    if arguments.out is not None and arguments.out.exists():
-        from model.study.design_files import known_in  # noqa: PLC0415
-
-        search.known, search.checked = known_in(arguments.out, search)
-    return search
+    trials = Trials(stated, starts, given.settings, os.cpu_count() or 1, seed, devices)
+    return trials, stated is not given.stated
 
 
-def _verdict(design: "Design", search: "Search", given: Inputs) -> str:
+def _verdict(design: "Design", trials: "Trials", given: Inputs) -> str:
     """Return what ``assess`` says of the recommended setting."""
-    from model.study.assessment import assess  # noqa: PLC0415  (as in _search)
+    from model.device.assess import assess  # noqa: PLC0415  (as in _design)
 
-    stated = search.stated.changed(**design.setting)
-    ensemble = given.study.maps.ensemble
+    stated = trials.stated.changed(**design.setting)
     settings = stated.run_settings(given.settings, stated.units)
-    result = assess(stated, settings, ensemble, search.judges.cores, vary=False)
-    drawn = design.thorough
-    return headline(result, drawn if drawn and drawn.devices else None)
+    result = assess(stated, settings, given.study.maps.ensemble, trials.cores, vary=False)
+    return headline(result, design.check if design.check and design.check.devices else None)
 
 
-def _keep(
-    search: "Search",
-    path: Path | None,
-    design: "Design | None" = None,
-    assumed: Mapping[str, str] | None = None,
+def _write(
+    arguments: argparse.Namespace,
+    design: "Design",
+    stated: StatedDevice,
+    assumed: Mapping[str, str],
 ) -> None:
-    """Write the settings tried so far, so that an interrupted search can be continued."""
-    if path is None:
+    """Write the files that are asked for."""
+    if arguments.out is None and arguments.plot is None:
         return
-    from model.study.design import Design  # noqa: PLC0415
-    from model.study.design_files import design_dataset  # noqa: PLC0415
-    from model.study.io import write_dataset  # noqa: PLC0415
+    from model.device.design_files import design_dataset  # noqa: PLC0415  (as in _design)
 
-    design = design or Design(search.tried(), 0, search.stated.limits)
-    attributes = {"assumptions": as_attribute(assumed)} if assumed else {}
-    write_dataset(design_dataset(search, design).assign_attrs(attributes), path)
+    dataset = design_dataset(stated, design).assign_attrs(assumptions=as_attribute(assumed))
+    with writing():
+        if arguments.out is not None:
+            from model.sweeps.io import write_dataset  # noqa: PLC0415
 
+            write_dataset(dataset, arguments.out)
+        if arguments.plot is not None:
+            from model.show.curves import draw_front  # noqa: PLC0415
+            from model.show.style import write  # noqa: PLC0415
 
-def _other_frictions(search: "Search", generations: int, population: int) -> "list[OtherFriction]":
-    from model.study.design import at_other_friction  # noqa: PLC0415
-
-    stated = search.stated.quantities["friction"]
-    frictions = [stated * factor for factor in _OTHER_FRICTIONS]
-    return [at_other_friction(search, each, generations, population) for each in frictions]
+            write(draw_front(dataset), arguments.plot)
 
 
 def _count(name: str, text: str, least: int) -> int:
@@ -172,10 +157,8 @@ def _count(name: str, text: str, least: int) -> int:
     return int(value)
 
 
-def _report(
-    design: "Design", search: "Search", verdict: str, others: "list[OtherFriction]"
-) -> list[str]:
-    from model.study.design_judges import POINTS  # noqa: PLC0415  (as in _search)
+def _report(design: "Design", trials: "Trials", verdict: str) -> list[str]:
+    from model.device.design_trials import POINTS  # noqa: PLC0415  (as in _design)
 
     tried, best = design.tried, design.best
     word = "recommended" if design.feasible else "nearest to it"
@@ -200,22 +183,20 @@ def _report(
         share, asked = tried.measures["vibration"][best], _asked(design.limits["vibration"])
         words = f"needed by {100.0 * share:.3g} % of the devices within the tolerances"
         lines.append(_line("vibration", f"{words} (limit: {asked})"))
-    binding = design.binding(search.stated.free)
+    binding = design.binding(trials.stated.free)
     if not all_go_in:
         binding.append("the tolerances")
     lines.append(_line("what binds", ", ".join(binding) or "nothing: it lies inside"))
-    words = f"{tried.share.size} settings, quickly; {design.judged} as assess judges them"
-    if design.thorough is not None:
-        words += f", this one by {design.thorough.devices} devices"
-    held = int(design.feasible)
-    words += f", of which {design.judged - held} did not hold" if design.judged > held else ""
+    words = f"{tried.share.size} settings, quickly; {len(design.checks)} as assess checks them"
+    if design.check is not None:
+        words += f", this one by {design.check.devices} devices"
     lines.append(_line("tried", words))
     if not design.feasible:
         lines += _relaxed(design)
     elif len(design.front) > 1:
-        words = "front of time against margin, by the quick judge: assess one before you take it"
+        words = "front of time against margin, by quick trials: assess one before you take it"
         lines += [words, *_front(design)]
-    return lines + [_other_friction(each) for each in others]
+    return lines
 
 
 def _front(design: "Design") -> list[str]:
@@ -255,21 +236,8 @@ def _asked(share: float) -> str:
     return next(words for words, each in VIBRATION.items() if each == share)
 
 
-def _other_friction(other: "OtherFriction") -> str:
-    result = "exceeds a limit"
-    if other.keeps:
-        result = "still keeps the limits"
-    elif other.share < 1.0:
-        result = f"does not: {100.0 * other.share:.3g} % go in"
-    better = "no setting of those tried keeps the limits there"
-    if other.feasible:
-        better = f"recommended there: {named_words(other.setting)}"
-    by = f"judged by {other.devices} devices"
-    return _line(f"friction {other.friction:.3g}", f"this setting {result}; {better} ({by})")
-
-
-def _record(design: "Design", search: "Search", others: "list[OtherFriction]") -> dict[str, Any]:
-    from model.study.assessment.yields import CONFIDENCE  # noqa: PLC0415  (as in _search)
+def _record(design: "Design", trials: "Trials") -> dict[str, Any]:
+    from model.device.yields import CONFIDENCE  # noqa: PLC0415  (as in _design)
 
     tried, best = design.tried, design.best
     return {
@@ -278,12 +246,11 @@ def _record(design: "Design", search: "Search", others: "list[OtherFriction]") -
         "yield": float(tried.share[best]),
         "yield_interval": design.interval,
         "yield_confidence": CONFIDENCE,
-        "devices": design.thorough and design.thorough.devices,
+        "devices": design.check and design.check.devices,
         "margin": float(tried.margin[best]),
         **{name: float(values[best]) for name, values in tried.measures.items()},
-        "binding": design.binding(search.stated.free),
+        "binding": design.binding(trials.stated.free),
         "relax": {} if design.feasible else design.to_relax(),
         "tried": int(tried.share.size),
-        "judged": design.judged,
-        "misjudged": [asdict(each) for each in others],
+        "checked": len(design.checks),
     }

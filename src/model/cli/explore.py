@@ -8,11 +8,11 @@ from typing import Any
 
 from model.cli.arguments import add_command, add_model_options, pairs, read_inputs
 from model.cli.files import check_file, writing
+from model.device import StatedDevice
+from model.device.base import SOURCES
 from model.physics.variants import Variants
 from model.show.assumptions import assumptions
-from model.study.devices import StatedDevice
-from model.study.devices.base import SOURCES
-from model.study.files import write_text
+from model.sweeps.files import write_text
 
 
 def add(commands: Any) -> None:

@@ -5,7 +5,7 @@ import os
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from model.study.files import check_encoding
+from model.sweeps.files import check_encoding
 
 # Formats of matplotlib that are no pictures, or that need a LaTeX installation.
 _NOT_PICTURES = {"pgf", "raw", "rgba"}

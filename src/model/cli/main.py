@@ -25,7 +25,7 @@ from model.cli import (
     tracking,
 )
 from model.cli.files import WriteError
-from model.study.version import version
+from model.sweeps.version import version
 
 # In the order of the help. The function ``add`` of a module adds its commands to the parsers.
 COMMANDS = new, simulate, assess, design, map, explore, tracking, reference, claims

@@ -19,24 +19,23 @@ from model.cli.arguments import (
 )
 from model.cli.files import check_file, check_picture, writing
 from model.cli.progress import ProgressLine
+from model.device.amounts import read_amount
+from model.device.stated import QUANTITIES, StatedDevice, unit_of
 from model.events.outcomes import SUCCESS_TEXT
 from model.physics.parameters import PARAMETER_NAMES, check_name
 from model.show.assumptions import as_attribute, assumptions, assumptions_with, at_corners, lines_of
-from model.study.config import RunSettings, Span, check_plane
-from model.study.devices.amounts import read_amount
-from model.study.devices.stated import QUANTITIES, StatedDevice, unit_of
+from model.sweeps.axes import Axis
+from model.sweeps.settings import RunSettings
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from model.study.config import Ensemble
-    from model.study.maps.plan import MapPlan
+    from model.sweeps.settings import Ensemble
+    from model.sweeps.sweep import Sweep
 
 _NEEDED = ("netCDF4", "scipy", "xarray")
-_FINEST = 8192
-_DEFAULT = 256
-_ENSEMBLE = 32  # least cells along a side of the ensemble's lattice, if the map has as many
-_STEPS = {"nominal": "outcomes", "unvibrated": "unvibrated", "ensemble": "reliability"}
+_FINEST = 1025
+_DEFAULT = 129
 
 
 def add(commands: Any) -> None:
@@ -46,10 +45,9 @@ def add(commands: Any) -> None:
         "map",
         _map,
         "map outcome, duration and reliability of a device over two parameters",
-        ". Nodes are computed along the border of the "
-        "aligning area and where the duration jumps, and filled in between. A reliable device "
+        ". Every node of a grid is computed. A reliable device "
         "goes in (or aligns, with --scene alignment) from every phase of the excitation and "
-        "initial tilt that the study tries. With "
+        "initial tilt that the study tries, which are tried at every few nodes. With "
         "--device, the ranges of --x and --y and the map are in SI units, else dimensionless.",
         epilog="exit code: 0 the map was made; 1 it could not be written; 2 bad input",
     )
@@ -58,7 +56,7 @@ def add(commands: Any) -> None:
         words = f"parameter along {side}, with its least and largest value; with --device any "
         words += "quantity of its file, and values such as 10um"
         add(f"--{side}", nargs=3, required=True, metavar=("NAME", "FROM", "TO"), help=words)
-    words = f"finest cells along a side, a power of two (default: {_DEFAULT})"
+    words = f"values along each side (default: {_DEFAULT})"
     add("--resolution", default=str(_DEFAULT), metavar="N", help=words)
     words = "netCDF file to write; an old one is replaced when the new one is complete"
     add("--out", type=Path, required=True, metavar="FILE", help=words)
@@ -76,21 +74,17 @@ def _map(arguments: argparse.Namespace) -> int:
     check_file(arguments.out, "--out", ["nc"])
     if arguments.plot is not None:
         check_picture(arguments.plot)
-    plan, assumed = _plan(arguments)
+    sweep, assumed = _sweep(arguments)
     announce_compilation()
     # Imported here: half a second that only this command needs.
-    from model.study.io import write_dataset  # noqa: PLC0415
-    from model.study.maps.compute import MapNodes  # noqa: PLC0415
-    from model.study.maps.dataset import map_dataset  # noqa: PLC0415
+    from model.sweeps.io import write_dataset  # noqa: PLC0415
+    from model.sweeps.sweep import merge, run  # noqa: PLC0415
 
-    title = f"Area of stable alignment over {plan.x.parameter} and {plan.y.parameter}"
-    cores = os.cpu_count() or 1
     with ProgressLine() as line:
-
-        def show(step: str, done: int, left: int) -> None:
-            line.begin(f"{_STEPS[step]}: {left:,} nodes left, {done:,} starts done")
-
-        dataset = map_dataset(plan, MapNodes(plan), title, cores=cores, progress=show)
+        line.begin("nodes and starts")
+        parts = [run(sweep, cores=os.cpu_count() or 1)]
+    y, x = sweep.swept
+    dataset = merge(sweep, f"Area of stable alignment over {x} and {y}", parts)
     dataset = dataset.assign_attrs(assumptions=as_attribute(assumed))
     with writing():
         write_dataset(dataset, arguments.out)
@@ -102,24 +96,17 @@ def _map(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _plan(arguments: argparse.Namespace) -> tuple["MapPlan", dict[str, str]]:
-    """Return the map, and what it assumes."""
-    given = read_inputs(arguments)
-    stated, parameters, starts = given.stated, given.parameters, given.study.maps.ensemble
-    resolution = _resolution(arguments.resolution)
-    x, y = (_span(f"--{side}", getattr(arguments, side), stated) for side in ("x", "y"))
-    check_plane(stated.at if stated else lambda values: parameters.replace(**values), x, y)
-    from model.study.maps.plan import plan_of  # noqa: PLC0415
+def _sweep(arguments: argparse.Namespace) -> tuple["Sweep", dict[str, str]]:
+    """Return the sweep of the map, and what it assumes."""
+    given, count = read_inputs(arguments), _count(arguments.resolution)
+    starts = given.study.maps.ensemble
+    x, y = (_axis(f"--{s}", getattr(arguments, s), count, given.stated) for s in ("x", "y"))
+    from model.device.maps import map_of  # noqa: PLC0415
 
-    every = min(starts.every, max(resolution // _ENSEMBLE, 1))
-    starts = starts.model_copy(update={"every": every})
-    settings = RunSettings.of(given.settings)
-    plan = plan_of("map", parameters, settings, (x, y), resolution, starts, stated)
-    corners = product(
-        *([(span.parameter, end) for end in (span.start, span.stop)] for span in (x, y))
-    )
-    assumed = [_assumed(given, starts, dict(each)) for each in corners]
-    return plan, at_corners(assumed)
+    device = given.stated or given.parameters
+    sweep = map_of(device, RunSettings.of(given.settings), (x, y), starts)
+    ends = ([(axis.parameter, end) for end in (axis.start, axis.stop)] for axis in (x, y))
+    return sweep, at_corners([_assumed(given, starts, dict(each)) for each in product(*ends)])
 
 
 def _assumed(given: Inputs, starts: "Ensemble", values: Mapping[str, float]) -> dict[str, str]:
@@ -129,17 +116,17 @@ def _assumed(given: Inputs, starts: "Ensemble", values: Mapping[str, float]) -> 
     return assumptions_with(given.stated, values, given.settings, starts)
 
 
-def _resolution(text: str) -> int:
-    rule = f"must be a power of two, 2 to {_FINEST}"
+def _count(text: str) -> int:
+    rule = f"must be a whole number, 2 to {_FINEST}"
     value = number("resolution", text, rule)
-    if not (2 <= value <= _FINEST and value == int(value) and not int(value) & (int(value) - 1)):
-        raise ValueError(f"resolution = {text}: {rule}, since cells are halved")
+    if not (2 <= value <= _FINEST and value == int(value)):
+        raise ValueError(f"resolution = {text}: {rule}")
     return int(value)
 
 
-def _span(option: str, given: Sequence[str], stated: StatedDevice | None) -> Span:
-    """Return a range; that of a ``stated`` device in SI units, or with its units."""
-    from model.study.maps.plan import QuantitySpan  # noqa: PLC0415  (as in _map)
+def _axis(option: str, given: Sequence[str], count: int, stated: StatedDevice | None) -> Axis:
+    """Return ``count`` values of a range; that of a ``stated`` device in SI or its own units."""
+    from model.device.maps import QuantityAxis  # noqa: PLC0415  (as in _map)
 
     name, *ends = given
     check_name(name, PARAMETER_NAMES if stated is None else QUANTITIES, "parameter")
@@ -152,23 +139,24 @@ def _span(option: str, given: Sequence[str], stated: StatedDevice | None) -> Spa
         raise ValueError(
             f"{option} {name} {ends[0]} {ends[1]}: must be two finite numbers, the smaller first"
         )
-    kind = Span if stated is None else QuantitySpan
-    return kind(parameter=name, start=start, stop=stop)
+    kind = Axis if stated is None else QuantityAxis
+    return kind(parameter=name, start=start, stop=stop, count=count)
 
 
 def _report(dataset: "xr.Dataset") -> list[str]:
-    from model.study.vibration import ONLY_VIBRATED, added, success_of  # noqa: PLC0415  (as in _map)
+    from model.sweeps.vibration import ONLY_VIBRATED, added, success_of  # noqa: PLC0415  (as in _map)
 
     by_vibration = float((added(dataset) == ONLY_VIBRATED).mean())
     success = success_of(dataset)
     share = float((dataset["outcome"] == success).mean())
-    nodes = dataset["outcome"].size
     rows = [
-        (SUCCESS_TEXT[success], f"{100.0 * share:.3g} % of the map"),
-        ("reliable", f"{100.0 * float(dataset['reliable'].mean()):.3g} % of the map"),
-        ("vibration", f"{100.0 * by_vibration:.3g} % of the map: does not align without it"),
-        ("flagged", f"{100.0 * float(dataset['flagged'].mean()):.3g} %: may end differently"),
-        ("computed", f"{100.0 * dataset.attrs['computed_share']:.3g} % of {nodes:,} nodes"),
-        ("trajectories", f"{dataset.attrs['trajectories']:,} starts, the ensemble's included"),
+        (SUCCESS_TEXT[success], f"{100.0 * share:.3g} % of {dataset['outcome'].size:,} nodes"),
+        ("vibration", f"{100.0 * by_vibration:.3g} %: does not align without it"),
+        ("sensitive", f"{100.0 * float(dataset['sensitive'].mean()):.3g} %: may end differently"),
     ]
+    if "reliable" in dataset:
+        share, nodes = float(dataset["reliable"].mean()), dataset["reliable"].size
+        starts = dataset["start_outcome"].size // nodes
+        words = f"{100.0 * share:.3g} % of {nodes:,} nodes, from each of {starts} starts"
+        rows.insert(1, ("reliable", words))
     return [f"{name:<14}{words}" for name, words in rows]

@@ -7,8 +7,8 @@ from typing import Any
 
 from model.cli.arguments import add_command
 from model.cli.files import check_file, writing
-from model.study.devices import load_device
-from model.study.files import atomic_write
+from model.device import load_device
+from model.sweeps.files import atomic_write
 
 
 def add(commands: Any) -> None:
@@ -35,7 +35,7 @@ def _new(arguments: argparse.Namespace) -> int:
         load_device(source)
         content = source.read_bytes()
     else:
-        content = resources.files("model.study.devices").joinpath("new.yaml").read_bytes()
+        content = resources.files("model.device").joinpath("new.yaml").read_bytes()
     with writing(), atomic_write(path) as part:
         part.write_bytes(content)
     print(f"fill in {path}, then: vibralign assess --device {path}")

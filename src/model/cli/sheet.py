@@ -5,21 +5,21 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from model.device import StatedDevice
+from model.device.maps import QuantityAxis, map_of
 from model.runs.settings import Settings
 from model.runs.simulate import simulate_once
 from model.show.assumptions import source_words
 from model.show.device_sheet import render
-from model.study.config import RunSettings, Study
-from model.study.devices import StatedDevice
-from model.study.files import write_text
-from model.study.maps.compute import MapNodes
-from model.study.maps.dataset import map_dataset
-from model.study.maps.plan import QuantitySpan, plan_of
-from model.study.version import version
+from model.study.config import Study
+from model.sweeps.files import write_text
+from model.sweeps.settings import RunSettings
+from model.sweeps.sweep import merge, run
+from model.sweeps.version import version
 
 _AXES = ("tilt_stiffness", "press_force")  # of the map, where the file frees no two quantities
 _SPAN = 2.5  # an axis is value / _SPAN to value * _SPAN, where the file states no range
-_RESOLUTION = 32
+_COUNT = 33  # values along each side of the map
 _TOLERANCE = 1e-7  # least local error of a step
 
 
@@ -38,20 +38,17 @@ def write_sheet(
     """
     settings = replace(settings, tolerance=max(settings.tolerance, _TOLERANCE))
     names = dict.fromkeys((*stated.free, *_AXES))
-    x, y = (_span(stated, name) for name in list(names)[:2])
-    starts = study.maps.ensemble.model_copy(update={"every": 1})
-    plan = plan_of(
-        "map", stated.parameters, RunSettings.of(settings), (x, y), _RESOLUTION, starts, stated
-    )
+    x, y = (_axis(stated, name) for name in list(names)[:2])
+    sweep = map_of(stated, RunSettings.of(settings), (x, y), study.maps.ensemble)
     title = f"Area of stable alignment over {x.parameter} and {y.parameter}"
-    dataset = map_dataset(plan, MapNodes(plan), title, cores=os.cpu_count() or 1)
+    dataset = merge(sweep, title, [run(sweep, cores=os.cpu_count() or 1)])
     made_by = f"{source_words(stated)}; vibralign {version()}"
-    run = simulate_once(stated.parameters, settings)
-    write_text(render(stated, verdict, groups, run, dataset, made_by), path)
+    course = simulate_once(stated.parameters, settings)
+    write_text(render(stated, verdict, groups, course, dataset, made_by), path)
 
 
-def _span(stated: StatedDevice, name: str) -> QuantitySpan:
-    """Return the range of an axis of the map, in SI units."""
+def _axis(stated: StatedDevice, name: str) -> QuantityAxis:
+    """Return an axis of the map, in SI units."""
     value = {**stated.values, **stated.quantities}[name]
     low, high = stated.free.get(name, (value / _SPAN, value * _SPAN))
-    return QuantitySpan(parameter=name, start=low, stop=high)
+    return QuantityAxis(parameter=name, start=low, stop=high, count=_COUNT)

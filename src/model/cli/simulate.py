@@ -30,8 +30,8 @@ from model.runs.simulate import Trajectory, simulate
 from model.runs.unvibrated import unvibrated_results, unvibrated_words
 from model.show.assumptions import assumptions, lines_of
 from model.show.si import in_words, natural_record, natural_words
-from model.study.files import write_text
-from model.study.version import version
+from model.sweeps.files import write_text
+from model.sweeps.version import version
 
 ENGINE: Engine = "scalar"  # also of the control: the other would have to be compiled first
 

@@ -3,6 +3,7 @@
 import argparse
 from collections.abc import Sequence
 from dataclasses import asdict
+from pathlib import Path
 from typing import Any
 
 from model.cli.arguments import add_command, add_json, add_root, figure_name
@@ -11,7 +12,7 @@ from model.events.outcomes import Outcome
 from model.physics.parameters import check_name
 from model.tracking import TrackingError
 from model.tracking.compare import Change
-from model.tracking.diff import Comparison, compare, snapshot
+from model.tracking.diff import Comparison, compare
 from model.tracking.history import (
     RUN_STATUS,
     Record,
@@ -58,18 +59,13 @@ def add(commands: Any) -> None:
         commands,
         "diff",
         _diff,
-        "list the differences between two runs, results folders or commits",
+        "list the differences between two results folders",
         ": parameters, metrics, the largest change of every figure's variables, claims.",
         epilog="exit code: 0 nothing differs; 1 something does; 2 bad input",
     )
-    add_root(parser)
     add_json(parser)
-    words = (
-        "a results folder, a run (merge/fig06, merge/fig06@INVOCATION), an invocation, or a commit "
-        "that the study was built at"
-    )
-    parser.add_argument("first", metavar="A", help=words)
-    parser.add_argument("second", metavar="B", help="likewise")
+    parser.add_argument("first", type=Path, metavar="A", help="a results folder")
+    parser.add_argument("second", type=Path, metavar="B", help="another, as of another checkout")
     parser.add_argument("--all", action="store_true", help="every difference, however many")
 
     parser = add_command(
@@ -222,8 +218,7 @@ def _invocation_lines(record: Record) -> list[str]:
 
 
 def _diff(arguments: argparse.Namespace) -> int:
-    root = arguments.root
-    found = compare(snapshot(arguments.first, root), snapshot(arguments.second, root))
+    found = compare(arguments.first, arguments.second)
     if arguments.json:
         print_json(asdict(found))
     else:
@@ -243,7 +238,7 @@ def _diff_lines(found: Comparison, listed: int | None) -> list[str]:
     data = ("figure", "variable", "points", "differing", "largest", "at", "A", "B", "gaps")
     lines += _section("data", [_change(each) for each in found.data], data, listed)
     if found.other_data:
-        lines += ["", "differ, no copies kept to say by how much:"]
+        lines += ["", "tables that differ:"]
         lines += [f"  {each}" for each in found.other_data]
     if found.not_compared:
         lines += ["", "not compared:", *(f"  {each}" for each in found.not_compared)]

@@ -5,15 +5,15 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+from model.device import StatedDevice
+from model.device.reliability import STATISTICAL_TOLERANCE
 from model.events.outcomes import Outcome
 from model.physics.parameters import Batch, Parameters
 from model.physics.quantities import ANGLE, DAMPING, LENGTH, STIFFNESS, TIME
 from model.physics.units import Units
 from model.runs.settings import Settings
 from model.show.si import in_words, named_words, quantity_of, si_words
-from model.study.assessment.judge import STATISTICAL_TOLERANCE
-from model.study.config import Ensemble
-from model.study.devices import StatedDevice
+from model.sweeps.settings import Ensemble
 
 _AMOUNTS = re.compile(r"(-?\d[\d.]*(?:e[-+]?\d+)?(?: (?:[kMG]?N(?: s)?/m|m?m|m?s|rad)\b)?)")
 _STARTS = {

@@ -12,6 +12,9 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon, Rectangle
 
+from model.device import StatedDevice
+from model.device.base import BASE
+from model.device.stated import unit_of
 from model.runs.simulate import Trajectory
 from model.show import style
 from model.show.history import trajectory
@@ -19,9 +22,6 @@ from model.show.maps import stability_map
 from model.show.schematics.pose import resting_pose
 from model.show.si import display, quantity_of
 from model.show.templates import templates
-from model.study.devices import StatedDevice
-from model.study.devices.base import BASE
-from model.study.devices.stated import unit_of
 
 MODEL_LIMITS = (
     "It is a model of one plane: a round part may also turn about the other axis.",

@@ -1,8 +1,7 @@
 """Stability maps, such as Figs. 13 and 14: areas, borders, contours and marks."""
 
-import json
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import xarray as xr
@@ -20,13 +19,15 @@ from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 from model.events.outcomes import Outcome
 from model.show import style
 from model.show.style import Bools, Floats
-from model.study.vibration import ONLY_VIBRATED, added, success_of
+from model.sweeps.vibration import ONLY_VIBRATED, added, success_of
+
+if TYPE_CHECKING:
+    from model.study.plans import Mark
 
 Place = tuple[float, float]
 Look = Mapping[str, Any]  # keyword arguments of an artist
 
 LEFT_LABEL, NOT_IN = "of these, leaves the scene", "does not go in"
-PATCH_LABEL = "outcomes alternate: no border"
 SLOW_LABEL = "ticked side: rests if pressed slowly"
 RELIABLE_LABEL = "reliable: at every phase"
 VIBRATION_LABEL = "ticked side: aligns only if vibrated"
@@ -44,7 +45,7 @@ _PLAIN: Look = {"linewidth": 0.0}
 NON_ALIGNING: Look = {**_PLAIN, "facecolor": "#F4F4F4", "edgecolor": style.GREY, "hatch": "////"}
 _OVER: Look = {**_PLAIN, "zorder": 2.0}  # over the colour of the duration
 _DOTTED: Look = {**_OVER, "facecolor": "none", "edgecolor": "#FFFFFF", "hatch": "...."}
-_CROSSED: Look = {**_OVER, "facecolor": "#FFFFFF99", "edgecolor": style.BLACK, "hatch": "xxxx"}
+_DOTS: Look = {**_DOTTED, "facecolor": style.BLUE}  # in the legend, where nothing is behind them
 _ADDED: tuple[Look, ...] = (
     {**_PLAIN, "facecolor": style.SKY_BLUE, "edgecolor": style.BLUE, "hatch": "..."},
     {**_PLAIN, "facecolor": style.GREEN},
@@ -61,14 +62,12 @@ _LEAST = 0.004  # share of the map; a contour around a smaller area is left out
 _APART = 0.04  # share of the map; least distance between numbers
 
 
-def stability_map(dataset: xr.Dataset, coarse: xr.Dataset | None = None) -> Figure:
+def stability_map(dataset: xr.Dataset, marks: "Sequence[Mark]" = ()) -> Figure:
     """Draw durations in colour where the part aligns, hatching where it does not.
 
-    Dots mark where it aligns and does not go in, by ``insertion`` in the dataset or in ``coarse``,
-    the same map on a coarser grid.
-
-    A refined map (study/maps/) is drawn with contours of the duration, the outline of its
-    reliable area, and the operating points of other figures.
+    Dots mark where it aligns and does not go in. Contours of the duration, the outlines of the
+    reliable area and of the one that needs vibration, and ``marks``, the operating points of other
+    figures, are drawn over it.
     """
     durations = np.ma.masked_invalid(dataset["tau_align"].values)
     outcome, label = dataset["outcome"].values, style.NOT_ALIGNED
@@ -85,21 +84,20 @@ def stability_map(dataset: xr.Dataset, coarse: xr.Dataset | None = None) -> Figu
         failed = outcome == Outcome.FAILED
         if failed.any():
             drawing.area(failed, style.FAILED_LABEL, {**_PLAIN, "facecolor": style.VERMILLION})
-        drawing.dots(dataset if coarse is None else coarse)
+        lost = style.not_inserted(dataset)
+        if lost.any():
+            drawing.area(lost, style.NOT_INSERTED, _DOTTED)
+            drawing.handles[-1] = Patch(label=style.NOT_INSERTED, **_DOTS)
         if not gaps.all():
             drawing.durations(durations, style.axis_label(dataset["tau_align"]))
-        if drawing.patch.any():
-            drawing.area(drawing.patch, PATCH_LABEL, _CROSSED)
         drawing.borders(gaps)
-        if "resolution" in dataset.attrs:
-            drawing.contours(durations)
-            if "reliable" in dataset and "ensemble_phases" in dataset.attrs:
-                reliable = dataset["reliable"].values == 1
-                drawing.outline(reliable, RELIABLE_LABEL, style.VERMILLION, "-")
-            if "unvibrated" in dataset:
-                inside = added(dataset) == ONLY_VIBRATED
-                drawing.outline(inside, VIBRATION_LABEL, style.BLACK, "--")
-            drawing.marks(json.loads(dataset.attrs.get("operating_points", "[]")))
+        drawing.contours(durations)
+        if "reliable" in dataset:
+            drawing.outline(dataset["reliable"] == 1, RELIABLE_LABEL, style.VERMILLION, "-")
+        if "unvibrated" in dataset:
+            needed = dataset["unvibrated"].copy(data=added(dataset) == ONLY_VIBRATED)
+            drawing.outline(needed, VIBRATION_LABEL, style.BLACK, "--")
+        drawing.marks(marks)
         return drawing.with_legend()
 
 
@@ -113,8 +111,7 @@ def vibration_map(dataset: xr.Dataset) -> Figure:
         drawing = _Drawing(dataset)
         for area, (label, look) in enumerate(zip(ADDED_LABELS, _ADDED, strict=True)):
             drawing.area(areas == area, label, look)
-        rests = np.isfinite(dataset["slow_tilt"].values)
-        drawing.outline(rests, SLOW_LABEL, style.BLACK, "-")
+        drawing.outline(dataset["slow_tilt"].notnull(), SLOW_LABEL, style.BLACK, "-")
         return drawing.with_legend()
 
 
@@ -143,10 +140,6 @@ class _Drawing:
         y, x = (dataset[str(name)] for name in dataset["outcome"].dims)
         self.x, self.y = x, y
         self.edges = style.cell_edges(x.values), style.cell_edges(y.values)
-        # Where outcomes alternate, no border is drawn.
-        self.patch: Bools = np.zeros(dataset["outcome"].shape, dtype=np.bool_)
-        if "patch" in dataset:
-            self.patch = dataset["patch"].values == 1
         self.handles: list[Patch | Line2D] = []
         self.figure = style.new_figure(height=11.0 * style.CENTIMETRE)
         self.axes = self.figure.subplots()
@@ -170,21 +163,7 @@ class _Drawing:
 
     def area(self, cells: Bools, label: str, look: Look) -> None:
         """Draw the cells where ``cells`` is True as one patch."""
-        self.handles.append(self._add_cells(self.edges, cells, label, look))
-
-    def dots(self, dataset: xr.Dataset) -> None:
-        """Draw dots where parts align and do not go in; ``dataset`` may have another grid."""
-        lost = style.not_inserted(dataset)
-        if lost.any():
-            x, y = (style.cell_edges(dataset[str(axis.name)].values) for axis in (self.x, self.y))
-            self._add_cells((x, y), lost, style.NOT_INSERTED, _DOTTED)
-            look = {**_DOTTED, "facecolor": style.BLUE}  # white dots need a colour behind them
-            self.handles.append(Patch(label=style.NOT_INSERTED, **look))
-
-    def _add_cells(
-        self, edges: tuple[Floats, Floats], cells: Bools, label: str, look: Look
-    ) -> Patch:
-        x, y = edges
+        x, y = self.edges
         corners: list[Place] = []
         codes: list[np.uint8] = []
         for row, mask in enumerate(cells):
@@ -193,7 +172,7 @@ class _Drawing:
                 corners += [(x[i], low), (x[j], low), (x[j], high), (x[i], high), (x[i], low)]
                 codes += [Outline.MOVETO, *[Outline.LINETO] * 3, Outline.CLOSEPOLY]
         outline = Outline(np.array(corners, dtype=float).reshape(-1, 2), codes or None)
-        return self.axes.add_patch(PathPatch(outline, label=label, **look))
+        self.handles.append(self.axes.add_patch(PathPatch(outline, label=label, **look)))
 
     def durations(self, durations: np.ma.MaskedArray, label: str) -> None:
         """Colour the cells by their duration, with a colour bar."""
@@ -213,12 +192,12 @@ class _Drawing:
             bar.ax.yaxis.set_minor_formatter(NullFormatter())
 
     def borders(self, cells: Bools) -> None:
-        """Draw straight lines between cells that differ, but none beside a patch."""
+        """Draw straight lines between cells that differ."""
         lines: list[list[Place]] = []
         x, y = self.edges
         for turned, (across, along) in ((False, (x, y)), (True, (y, x))):
-            inside, patch = (mask if turned else mask.T for mask in (cells, self.patch))
-            differ = (inside[1:] != inside[:-1]) & ~(patch[1:] | patch[:-1])
+            inside = cells if turned else cells.T
+            differ = inside[1:] != inside[:-1]
             for at, mask in zip(across[1:-1], differ, strict=True):
                 for i, j in style.runs_of(mask):
                     ends = (at, along[i]), (at, along[j])
@@ -258,15 +237,23 @@ class _Drawing:
                 longest = parts[int(np.argmax(lengths))]
                 yield tuple(longest[len(longest) // 2])
 
-    def outline(self, inside: Bools, label: str, colour: str, line: Literal["-", "--"]) -> None:
-        """Outline the nodes ``inside``, with ticks inwards, except in a patch."""
+    def outline(
+        self, inside: xr.DataArray, label: str, colour: str, line: Literal["-", "--"]
+    ) -> None:
+        """Outline the nodes ``inside``, with ticks inwards; they may have a coarser grid.
+
+        The line runs halfway between nodes of the dataset's grid; on a coarser one through the
+        last nodes inside, so that no node that is not computed is claimed to be inside.
+        """
         if inside.all() or not inside.any():
             return
+        level = 0.5 if inside.size == self.x.size * self.y.size else 0.99
+        y, x = (inside[name].values for name in inside.dims)
         outline: QuadContourSet = self.axes.contour(
-            self.x.values,
-            self.y.values,
-            np.ma.masked_array(inside.astype(float), self.patch),
-            [0.5],
+            x,
+            y,
+            inside.values.astype(float),
+            [level],
             colors=colour,
             linestyles=line,
             linewidths=1.6,
@@ -278,11 +265,8 @@ class _Drawing:
         look: Look = {"linewidth": 1.6, "color": colour, "linestyle": line}
         self.handles.append(Line2D([], [], label=label, **look))
 
-    def marks(self, points: Sequence[tuple[str, Sequence[float], Sequence[float]]]) -> None:
-        """Number the operating points of other figures, with lines along their sweeps.
-
-        ``points`` are (figure, x, y); a coordinate has one value, or the two ends of its sweep.
-        """
+    def marks(self, points: "Sequence[Mark]") -> None:
+        """Number the operating points of other figures, with lines along their sweeps."""
         places: dict[tuple[Place, Place], list[str]] = {}  # by (end, start) of a range
         limits = self.axes.get_xlim(), self.axes.get_ylim()
         for figure, x, y in points:

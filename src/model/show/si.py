@@ -4,6 +4,9 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from model.device.base import BASE
+from model.device.holder import RATIOS, natural_frequencies
+from model.device.stated import unit_of
 from model.physics.parameters import FIELDS, Parameters
 from model.physics.quantities import (
     ANGLE,
@@ -17,9 +20,6 @@ from model.physics.quantities import (
     Quantity,
 )
 from model.physics.units import UNITS, Units
-from model.study.devices.base import BASE
-from model.study.devices.holder import RATIOS, natural_frequencies
-from model.study.devices.stated import unit_of
 
 # Unit and its size in SI units: for values below 1, and for values from that size on.
 _SMALL = {LENGTH: ("mm", 1e-3), TIME: ("ms", 1e-3), SPEED: ("mm/s", 1e-3)}

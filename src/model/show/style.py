@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from model.events.outcomes import Outcome
 from model.show.words import mathtext
-from model.study.files import atomic_write
+from model.sweeps.files import atomic_write
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -1,1 +1,1 @@
-"""Third floor: the study. Its configuration, sweeps and datasets, and where they came from."""
+"""The study: its configuration, figures, maps and claims, and the search for the device."""

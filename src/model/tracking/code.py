@@ -16,7 +16,7 @@ from pathlib import Path
 from model.compile import outline as outlined
 from model.compile.cache import cache_folder
 from model.compile.outline import outline
-from model.study.files import write_text
+from model.sweeps.files import write_text
 
 _PACKAGE = Path(__file__).resolve().parents[1]
 _BESIDE = ("verification", "benchmarks")  # packages of the checkout

@@ -1,11 +1,7 @@
-"""Differences between two states of the study: parameters, metrics, code, data and claims.
-
-A state is a results folder as it is now, or an earlier state that the history keeps.
-"""
+"""Differences between two results folders: parameters, metrics, code, data and claims."""
 
 import os
-import subprocess
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -20,98 +16,15 @@ from model.tracking.compare import (
     common_points,
     differences,
 )
-from model.tracking.history import (
-    Record,
-    find_invocation,
-    find_run,
-    kept_outputs,
-    kept_result,
-    load_history,
-    load_runs,
-    sidecars,
-)
-
-# --- States -------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Snapshot:
-    """The state of the study at one moment."""
-
-    label: str  # the name that the user gave
-    runs: Mapping[str, Record]  # the latest run of every name
-    files: Mapping[str, Path]  # datasets and verdicts by file name: "fig06.nc", "claims.csv"
-    lost: tuple[str, ...] = ()  # names of those of which the history has no copy
-
-
-def snapshot(name: str, root: Path) -> Snapshot:
-    """Return the state of the study that ``name`` denotes.
-
-    It is a results folder, or an entry of the history below ``root``: a run ("merge/fig06",
-    "merge/fig06@INVOCATION"), an invocation ("last", or the beginning of its name), or a commit at
-    which the study was built (any name that git knows).
-    """
-    if Path(name).is_dir():
-        return _of_folder(Path(name))
-    history, runs = load_history(root), load_runs(root)
-    if name.partition("@")[0] in {run["run"] for run in runs}:
-        run = find_run([run for run in runs if run["status"] == "done"], name)
-        return _of_runs(name, [run], root)
-    if name == "last" or any(each["invocation"].startswith(name) for each in history):
-        last = find_invocation(history, name)
-    else:
-        last = _invocation_of_commit(history, name, root)
-    until = [each for each in history if each["started"] <= last["started"]]
-    return _of_runs(name, [run for each in until for run in each["runs"]], root)
-
-
-def _of_folder(folder: Path) -> Snapshot:
-    data = folder / "data" if (folder / "data").is_dir() else folder
-    files = {path.name: path for path in sorted(data.glob("fig*.nc"))}
-    if (folder / CLAIMS).is_file():
-        files[CLAIMS] = folder / CLAIMS
-    runs = {record["run"]: record for record in sidecars(folder).values()}
-    if not files and not runs:
-        raise TrackingError(f"{folder}: holds neither datasets nor sidecars of the study")
-    return Snapshot(str(folder), runs, files)
-
-
-def _of_runs(label: str, runs: Iterable[Record], root: Path) -> Snapshot:
-    latest = {run["run"]: run for run in runs}
-    kept = {
-        name: kept_result(root, name, sha256)
-        for run in latest.values()
-        for name, sha256 in kept_outputs(run).items()
-    }
-    files = {name: path for name, path in kept.items() if path.is_file()}
-    return Snapshot(label, latest, files, tuple(name for name in kept if name not in files))
-
-
-def _invocation_of_commit(history: Sequence[Record], name: str, root: Path) -> Record:
-    question = ["git", "rev-parse", "--verify", "--quiet", f"{name}^{{commit}}"]
-    git = subprocess.run(question, capture_output=True, text=True, check=False)
-    commit = git.stdout.strip() or name
-    for each in reversed(history):
-        was_refused = not each["runs"] and each["outcome"] != "done"
-        if each["git"].get("commit", "").startswith(commit) and not was_refused:
-            return each
-    raise TrackingError(
-        f"{name!r} is no results folder, and neither a run, an invocation nor a commit in "
-        f"{root / 'history'}; to compare with another commit, build it in a checkout of its own "
-        "(git worktree add) and name its results folder"
-    )
-
-
-# --- What differs -------------------------------------------------------------------------------
+from model.tracking.history import Record, sidecars
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """The differences between two states, and a line for everything that could not be compared.
+    """The differences between two folders, and a line for everything that could not be compared.
 
-    ``claims`` is None if the verdicts of a state are missing or were not made from its data.
-    ``other_data`` names datasets besides the figures' whose bytes differ: the history keeps no
-    copies of these, so that the size of the difference is unknown.
+    ``claims`` is None if the verdicts of a folder are missing or were not made from its data.
+    ``other_data`` names tables whose bytes differ.
     """
 
     first: str
@@ -126,60 +39,72 @@ class Comparison:
 
     @property
     def differs(self) -> bool:
-        """True if the two states differ in anything."""
+        """True if the two folders differ in anything."""
         stated = (self.parameters, self.metrics, self.code)
         return any((*stated, self.data, self.other_data, self.claims))
 
 
-def compare(first: Snapshot, second: Snapshot) -> Comparison:
-    """Compare two states."""
-    found = Comparison(first.label, second.label)
+def compare(first: Path, second: Path) -> Comparison:
+    """Compare two results folders.
+
+    Raises:
+        TrackingError: one is no folder, or holds no results.
+    """
+    found = Comparison(str(first), str(second))
+    runs, other_runs = _runs(first), _runs(second)
+    files, other_files = _files(first), _files(second)
     code: list[Difference] = []
-    for before, after in _pairs(first, second, found.not_compared):
-        where = after["figure"] or after["run"]
+    for name in _common(runs, other_runs, found) if runs and other_runs else ():
+        before, after = runs[name], other_runs[name]
+        where = after["figure"] or name
         found.parameters.extend(differences(where, _stated(before), _stated(after)))
         counts = (each.get("counts", {}) for each in (before, after))
         found.metrics.extend(differences(where, *counts))
-        code.extend(differences(after["run"], _code(before), _code(after)))
-        if not kept_outputs(after):
-            found.other_data.extend(_other_bytes(before, after))
+        code.extend(differences(name, _code(before), _code(after)))
+        found.other_data.extend(_other_bytes(before, after))
     found.code.extend(_by_file(code))
-    found.not_compared.extend(_in_one_only(first, second, "files"))
-    for name in sorted({*first.files} & {*second.files} - {CLAIMS}):
-        found.data.extend(_data_changes(first.files[name], second.files[name], found.not_compared))
-    claims = None
-    if CLAIMS in first.files and CLAIMS in second.files:
-        claims = _claims(first, second, found.not_compared)
-    found.not_compared.extend(
-        f"{name}: no copy is kept of what {each.label} made"
-        for each in (first, second)
-        for name in each.lost
-    )
+    for name in _common(files, other_files, found):
+        if name != CLAIMS:
+            found.data.extend(_changes(files[name], other_files[name], found.not_compared))
+    if CLAIMS not in files or CLAIMS not in other_files:
+        return found
+    judged = _are_judged(first, runs, found), _are_judged(second, other_runs, found)
+    claims = changed_verdicts(files[CLAIMS], other_files[CLAIMS]) if all(judged) else None
     return replace(found, claims=claims)
 
 
-def _pairs(
-    first: Snapshot, second: Snapshot, not_compared: list[str]
-) -> Iterator[tuple[Record, Record]]:
-    """Yield pairs of runs to compare: runs of the same name; or two single runs of any name."""
-    if len(first.runs) == len(second.runs) == 1:
-        yield next(iter(first.runs.values())), next(iter(second.runs.values()))
-        return
-    before, after = (
-        replace(each, runs={n: run for n, run in each.runs.items() if not run.get("part")})
-        for each in (first, second)
-    )
-    if before.runs and after.runs:
-        not_compared.extend(_in_one_only(before, after, "runs"))
-        for name in sorted({*before.runs} & {*after.runs}):
-            yield before.runs[name], after.runs[name]
+def _files(folder: Path) -> dict[str, Path]:
+    """Return datasets and verdicts by path: "fig06.nc", "claims/rubbing.nc", "claims.csv"."""
+    data = folder / "data" if (folder / "data").is_dir() else folder
+    found = {
+        path.relative_to(data).as_posix(): path
+        for pattern in ("*.nc", "claims/*.nc")
+        for path in data.glob(pattern)
+    }
+    if (folder / CLAIMS).is_file():
+        found[CLAIMS] = folder / CLAIMS
+    if not found and not _runs(folder):
+        raise TrackingError(f"{folder}: holds neither datasets nor sidecars of the study")
+    return found
 
 
-def _in_one_only(first: Snapshot, second: Snapshot, what: str) -> Iterator[str]:
-    """Yield a line for each of the "runs" or "files" that only one of the states has."""
-    names, others = getattr(first, what), getattr(second, what)
-    for name in sorted({*names} ^ {*others}):
-        yield f"{name}: only in {(first if name in names else second).label}"
+def _runs(folder: Path) -> dict[str, Record]:
+    """Return the runs of whole results by name."""
+    if not folder.is_dir():
+        raise TrackingError(f"{folder}: is no results folder")
+    return {each["run"]: each for each in sidecars(folder).values() if not each.get("part")}
+
+
+def _common(
+    first: Mapping[str, Any], second: Mapping[str, Any], found: Comparison
+) -> Iterator[str]:
+    """Yield the names that both have, and note those that only one has."""
+    for name in sorted({*first} | {*second}):
+        if name in first and name in second:
+            yield name
+        else:
+            only = found.first if name in first else found.second
+            found.not_compared.append(f"{name}: only in {only}")
 
 
 def _stated(run: Record) -> dict[str, Any]:
@@ -209,54 +134,47 @@ def _by_file(found: list[Difference]) -> Iterator[Difference]:
 
 
 def _other_bytes(before: Record, after: Record) -> list[str]:
-    """Return the datasets of both runs whose bytes differ, apart from CPU times (in ``../``)."""
+    """Return the tables of both runs whose bytes differ, apart from CPU times (in ``../``)."""
     return [
         f"{after['run']}: {name}"
         for name, sha256 in after["outputs"].items()
-        if name.endswith((".nc", ".csv"))
+        if name.endswith(".csv")
+        and name != CLAIMS
         and not name.startswith("../")
         and before["outputs"].get(name, sha256) != sha256
     ]
 
 
-# --- Claims and data ----------------------------------------------------------------------------
-
-
-def _claims(first: Snapshot, second: Snapshot, not_compared: list[str]) -> list[Difference] | None:
-    """Compare the verdicts; return None if those of a state were not made from its data."""
-    for each in (first, second):
-        if newer := _changed_since_judged(each):
-            files = ", ".join(newer[:3]) + (", …" if len(newer) > 3 else "")
-            not_compared.append(
-                f"{CLAIMS}: not judged since {files} changed in {each.label}: build claims.csv"
-            )
-            return None
-    return changed_verdicts(first.files[CLAIMS], second.files[CLAIMS])
-
-
-def _changed_since_judged(state: Snapshot) -> list[str]:
-    """Return the input files of the claims that changed since the claims were judged."""
+def _are_judged(folder: Path, runs: Mapping[str, Record], found: Comparison) -> bool:
+    """Return whether the claims were judged since their data changed; note it if they were not."""
 
     def files(run: Record, kind: str) -> dict[str, str]:
         return {os.path.normpath(Path(run["folder"], name)): sha for name, sha in run[kind].items()}
 
     made: dict[str, str] = {}
     read: dict[str, str] = {}
-    for run in state.runs.values():
+    for run in runs.values():
         made |= files(run, "outputs")
         if CLAIMS in run["outputs"]:
             read |= files(run, "inputs")
-    return sorted(name for name, sha256 in read.items() if made.get(name, sha256) != sha256)
+    newer = sorted(name for name, sha256 in read.items() if made.get(name, sha256) != sha256)
+    if newer:
+        names = ", ".join(newer[:3]) + (", …" if len(newer) > 3 else "")
+        found.not_compared.append(
+            f"{CLAIMS}: not judged since {names} changed in {folder}: build claims.csv"
+        )
+    return not newer
 
 
-def _data_changes(first: Path, second: Path, not_compared: list[str]) -> list[Change]:
+def _changes(first: Path, second: Path, not_compared: list[str]) -> list[Change]:
+    """Return the changes of the variables of two datasets of the same name."""
     if first.read_bytes() == second.read_bytes():
         return []
-    from model.study.io import read_dataset  # noqa: PLC0415  (xarray: a second)
+    from model.sweeps.io import read_dataset  # noqa: PLC0415  (xarray: a second)
 
     before, after = read_dataset(first), read_dataset(second)
     figure = str(after.attrs["figure"])
-    if before["tau_align"].dims != after["tau_align"].dims:
+    if before["outcome"].dims != after["outcome"].dims:
         not_compared.append(f"{figure}: the two vary different parameters")
         return []
     if 0 in common_points(before, after)[1].sizes.values():

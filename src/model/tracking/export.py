@@ -9,22 +9,22 @@ from pathlib import Path
 from pandas import json_normalize
 
 from model.tracking import TrackingError
-from model.tracking.history import Record, kept_result
+from model.tracking.history import Record
 from model.tracking.job import file_hash
 
 EXPERIMENT = "vibralign"
 
 
 def results_of(record: Record, root: Path) -> dict[str, Path]:
-    """Return results that still exist, by path below the root; replaced pictures do not."""
+    """Return results that still exist, by path below the root; replaced ones do not."""
     found = {}
     for run in record["runs"]:
         for name, sha256 in {} if run.get("part") else run["outputs"].items():
             place = os.path.normpath(Path(run["folder"], name))
-            files = (kept_result(root, name, sha256), root / place)
-            same = [each for each in files if each.is_file() and file_hash(each) == sha256]
-            if same and not name.endswith(".json"):  # hashes of compiled code
-                found[place] = same[0]
+            file = root / place
+            stands = file.is_file() and file_hash(file) == sha256
+            if stands and not name.endswith(".json"):  # hashes of compiled code
+                found[place] = file
     return found
 
 
@@ -60,7 +60,7 @@ def to_mlflow(record: Record, root: Path, uri: str) -> str:
     client.log_dict(name, record, "invocation.json")
     with tempfile.TemporaryDirectory() as folder:
         for place, file in results_of(record, root).items():
-            link = Path(folder, place)  # the history names its copy by a hash
+            link = Path(folder, place)
             link.parent.mkdir(parents=True, exist_ok=True)
             link.symlink_to(file.resolve())
         client.log_artifacts(name, folder)

@@ -4,7 +4,6 @@ It consists of files below the results root:
 
     *.run.json                      sidecar beside the outputs of a job (job.py writes it)
     history/INVOCATION.json         record of an invocation of Snakemake
-    history/data/SHA256.nc          figures' datasets at the end of an invocation, equal ones once
     runs.csv                        index of all runs, made from the files above
 
 A run is one job of one invocation. Its name is the path of its log below logs/: "chunk/fig06/0".
@@ -13,7 +12,6 @@ Only Snakemake's main process writes the history, so that no two processes write
 
 import fcntl
 import json
-import re
 import shutil
 import time
 from collections.abc import Mapping, Sequence, Set
@@ -23,7 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from model.study.csv_tables import csv_text
-from model.study.files import write_text
+from model.sweeps.files import write_text
 from model.tracking import TrackingError
 from model.tracking.job import file_hash, named
 from model.tracking.slurm import slurm_reasons
@@ -42,7 +40,6 @@ COLUMNS = (
 )  # fmt: skip
 _ESSENTIAL = {"run", "rule", "started", "outputs"}  # keys of every sidecar
 _OF_INVOCATION = {"invocation", "outcome", "started", "started_stamp"}
-_KEPT = re.compile(r"data/fig\d\d\.nc|claims\.csv")  # results of which the history keeps copies
 _identity, _place_in_time = itemgetter("run", "started"), itemgetter("started", "run")
 _FULL = 1_000_000  # bytes: a disk with less free space counts as full
 
@@ -88,20 +85,6 @@ def sidecars(root: Path) -> dict[Path, Record]:
         path: {**read_record(path, _ESSENTIAL), "folder": path.parent.relative_to(root).as_posix()}
         for path in _files(root, "*.run.json")
     }
-
-
-def kept_outputs(record: Record) -> dict[str, str]:
-    """Return the outputs of a run that the history keeps: figures' datasets, and verdicts."""
-    return {
-        name: sha256
-        for name, sha256 in record["outputs"].items()
-        if _KEPT.fullmatch(Path(record["folder"], name).as_posix())
-    }
-
-
-def kept_result(root: Path, name: str, sha256: str) -> Path:
-    """Return the path of the history's copy of an output."""
-    return root / "history" / "data" / f"{sha256}{Path(name).suffix}"
 
 
 def discard_damaged(root: Path) -> list[str]:

@@ -12,14 +12,13 @@ import os
 import platform
 import secrets
 import shlex
-import shutil
 import sys
 from collections.abc import Iterator, Mapping
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from model.study.files import atomic_write, write_json
+from model.sweeps.files import write_json
 from model.tracking import TrackingError
 from model.tracking.history import (
     Record,
@@ -29,8 +28,6 @@ from model.tracking.history import (
     invocation_records,
     is_running,
     iso,
-    kept_outputs,
-    kept_result,
     write_index,
 )
 from model.tracking.job import INVOCATION, git_state, lock_folder, versions
@@ -140,14 +137,8 @@ def _or_say(consequence: str) -> Iterator[None]:
 
 
 def _write_end(root: Path, record: Record, outcome: str, ended: datetime | None) -> list[Record]:
-    """Write the end of an invocation, and copy its results to the history; return its failures."""
+    """Write the end of an invocation; return its failures."""
     whole = completed(root, record, outcome, ended)
-    for run in whole["runs"]:
-        for name, sha256 in kept_outputs(run).items():
-            source, kept = root / run["folder"] / name, kept_result(root, name, sha256)
-            if source.is_file() and not kept.exists():
-                with atomic_write(kept) as part:
-                    shutil.copyfile(source, part)
     write_json(whole, history_file(root, record["invocation"]))
     history_file(root, record["invocation"], "lock").unlink(missing_ok=True)
     return list(whole["failures"])

@@ -26,7 +26,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import IO, Any
 
-from model.study.files import write_json
+from model.sweeps.files import write_json
 from model.tracking import TrackingError
 from model.tracking.code import code_hash, code_of
 
@@ -44,20 +44,27 @@ _UNSAFE = {"nfs": _NFS, "nfs4": _NFS, "lustre": {"localflock", "noflock"}, "cifs
 snakemake: Any = getattr(sys.modules["__main__"], "snakemake", None)
 
 
-def announce(study: str, codes: Mapping[str, str]) -> None:
+def announce(study: str, project: Path) -> None:
     """Tell the jobs of this process the configuration and code that they are to run.
 
-    ``study`` is the configuration as text; ``codes`` are hashes of code by script.
+    ``study`` is the configuration as text; ``project`` is the folder of the workflow.
 
     Raises:
         TrackingError: this process is a job, and the configuration was edited after its submission.
     """
     now = hashlib.sha256(study.encode()).hexdigest()[:16]
-    told = os.environ.setdefault(SUBMITTED, json.dumps({"study": now, "codes": dict(codes)}))
-    if json.loads(told)["study"] != now:
+    if SUBMITTED not in os.environ:
+        scripts = (project / "workflow" / "scripts").glob("*.py")
+        codes = {each.stem: _hash_of_script(project, each.name) for each in scripts}
+        os.environ[SUBMITTED] = json.dumps({"study": now, "codes": codes})
+    if json.loads(os.environ[SUBMITTED])["study"] != now:
         raise TrackingError(
             "refused: the configuration was edited after the job was submitted; start again"
         )
+
+
+def _hash_of_script(project: Path, name: str) -> str:
+    return code_hash(code_of(project, f"workflow/scripts/{name}"))
 
 
 @contextlib.contextmanager
@@ -76,6 +83,7 @@ def recorded(snakemake: Any, *, part: bool = False) -> Iterator[dict[str, Any]]:
     Raises:
         SystemExit: code was edited since, or the Snakemake that started the job was killed.
     """
+    started = datetime.now(UTC)
     log, script = Path(snakemake.log[0]), Path(sys.modules["__main__"].__file__ or "")
     with log.open("w", encoding="utf-8") as stream:
         os.dup2(stream.fileno(), 1)
@@ -95,8 +103,6 @@ def recorded(snakemake: Any, *, part: bool = False) -> Iterator[dict[str, Any]]:
     record = Path(snakemake.output.record)
     made = [file for file in snakemake.output if file != str(record)]
     run = log.with_suffix("").as_posix().rpartition("/logs/")[2]
-    # Snakemake writes the script file just before a job starts: the time includes the imports.
-    started = datetime.fromtimestamp(Path(sys.argv[0]).stat().st_mtime, UTC)
     write_sidecar(record, run, made, snakemake.input, metadata, started)
 
 

@@ -20,8 +20,8 @@ from model.engines.tolerances import Compared
 from model.events.outcomes import Reason
 from model.study.config.figures import COMPUTED, SCHEMATICS
 from model.study.csv_tables import csv_text
-from model.study.files import atomic_write, write_text
-from model.study.io import read_dataset
+from model.sweeps.files import atomic_write, write_text
+from model.sweeps.io import read_dataset
 from model.tracking import TrackingError
 from model.tracking.compare import (
     CLAIMS,

@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 
 from model.cli import main as cli
+from model.device.amounts import read_amount
+from model.device.stated import unit_of
 from model.events.insertion import INSERTION
 from model.events.outcomes import Outcome
 from model.study.config import load_study, study_path
-from model.study.devices.amounts import read_amount
-from model.study.devices.stated import unit_of
 from tests.show.explorer.browser import find_browser
 
 pytestmark = [

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from model.device import load_device
 from model.events.outcomes import OUTCOME_TEXT, Outcome, Reason, remedy
 from model.physics.parameters import FIELDS, PARAMETER_NAMES
 from model.runs.in_browser import Modules, interface
@@ -20,8 +21,7 @@ from model.show.explorer import page as module
 from model.show.explorer.content import device_model, study_model
 from model.show.explorer.page import SCRIPTS, build_page, run_page
 from model.study.config import MAPS, load_study, study_path
-from model.study.devices import load_device
-from model.study.io import write_dataset
+from model.sweeps.io import write_dataset
 
 STUDY = load_study(study_path())
 INTERFACE = interface()
@@ -103,19 +103,21 @@ def test_a_device_has_its_own_units() -> None:
 
 def test_stored_maps_hold_duration_in_steps_and_what_is_reliable(tmp_path: Path) -> None:
     tau = np.array([[1.0, np.nan, 2.0], [1.5, 2.0, np.nan]])
-    reliable = np.array([[1, 0, 0], [1, 1, 0], [1, 1, 1]], dtype=np.int8)
-    for file, name, values in (("figure", "tau_align", tau), ("map", "reliable", reliable)):
-        dataset = xr.Dataset({name: (("y", "x"), values)}, attrs={"figure": "fig13"})
-        write_dataset(dataset, tmp_path / f"{file}.nc")
-    files = [(tmp_path / "figure.nc", tmp_path / "map.nc")] * len(MAPS)
-    stored = study_model(STUDY, INTERFACE, files)["maps"]["fig13"]
+    reliable = np.array([[1, 0], [0, 1]], dtype=np.int8)
+    variables = {"tau_align": (("y", "x"), tau), "reliable": (("start_y", "start_x"), reliable)}
+    coordinates = {"y": [0.0, 1.0], "x": [0.0, 1.0, 2.0]}
+    coordinates |= {"start_y": [0.0, 1.0], "start_x": [0.0, 2.0]}
+    dataset = xr.Dataset(variables, coordinates, attrs={"figure": "fig13"})
+    write_dataset(dataset, tmp_path / "map.nc")
+    stored = study_model(STUDY, INTERFACE, [tmp_path / "map.nc"] * len(MAPS))["maps"]["fig13"]
     assert stored["cells"] == 3
     levels = np.frombuffer(unpacked(stored["duration"]), dtype=np.uint8).reshape(3, 3)
     # Rows are repeated to a square; 1 is the shortest duration, 255 the longest.
     np.testing.assert_array_equal(levels[0], [1, 0, 255])
     middle = round(1.0 + 254.0 * np.log(1.5) / np.log(2.0))
     np.testing.assert_array_equal(levels[-1], [middle, 255, 0])
-    assert unpacked(stored["reliable"]) == reliable.astype(np.uint8).tobytes()
+    found = np.frombuffer(unpacked(stored["reliable"]), dtype=np.uint8).reshape(3, 3)
+    np.testing.assert_array_equal(found[[0, 2]][:, [0, 2]], reliable)
 
 
 @pytest.mark.parametrize("rows", [5, 50_000])

@@ -30,9 +30,9 @@ from model.show.assumptions import assumptions
 from model.show.explorer.page import packed
 from model.show.si import display, scale
 from model.show.words import figure_title, symbol_parts
-from model.study.config.base import Axis, Family
 from model.study.config.figures import CURVES, HISTORIES, MAPS, Curves, Map
 from model.study.config.study import Study
+from model.sweeps.axes import Axis, Family
 
 # Axes of the map where a preset states none.
 _DEFAULT_AXES: dict[str, Any] = {"x": "tilt_stiffness", "y": "press_force"}
@@ -43,7 +43,6 @@ _PANELS: tuple[Mapping[str, str], ...] = (
 )  # fmt: skip
 _SMALL_ANGLE = 0.05  # rad, from the middle of a slider to its ends
 _LEVELS = 254  # number of levels of a stored duration
-_MOST_NODES = 257  # along a side of a stored reliable area
 
 _EVENT_WORDS: Mapping[str, str] = {
     "aligned": "the edge is past the corner: aligned",
@@ -102,11 +101,11 @@ def _values(units: Units | None, parameters: Parameters) -> dict[str, float | No
 
 
 def study_model(
-    study: Study, interface: Mapping[str, Any], maps: Sequence[tuple[Path, Path]] = ()
+    study: Study, interface: Mapping[str, Any], maps: Sequence[Path] = ()
 ) -> dict[str, Any]:
     """Return the content of the study's page.
 
-    ``maps`` are two paths for each of MAPS: the dataset of the figure, and its refined map.
+    ``maps`` are the datasets of MAPS.
     """
     presets = {name: _figure(study, name) for name in sorted((*HISTORIES, *CURVES, *MAPS))}
     for name, case in study.hard_cases.cases.items():
@@ -120,7 +119,7 @@ def study_model(
         "parameters": _parameters(study.baseline, None, [*study.operating_point], _axes(study)),
         "presets": {name: _DEFAULT_AXES | each for name, each in presets.items()},
         "first": CURVES[0],
-        "maps": {name: _stored_map(study, name, *of) for name, of in zip(MAPS, maps, strict=False)},
+        "maps": {name: _stored_map(study, name, of) for name, of in zip(MAPS, maps, strict=False)},
     }  # fmt: skip
 
 
@@ -301,31 +300,32 @@ def _figure(study: Study, name: str) -> dict[str, Any]:
     return {**preset, "spans": spans, "values": values}
 
 
-def _stored_map(study: Study, name: str, data: Path, refined: Path) -> dict[str, Any]:
+def _stored_map(study: Study, name: str, data: Path) -> dict[str, Any]:
     """Return a figure's map: durations in levels of equal ratio, and where it is reliable."""
-    from model.study.io import read_dataset  # noqa: PLC0415 - xarray, for the study only
+    # Imported here: xarray, for the study only.
+    from model.sweeps.io import read_dataset  # noqa: PLC0415
+    from model.sweeps.sweep import START  # noqa: PLC0415
 
-    spec = study.figures[name]
+    spec, dataset = study.figures[name], read_dataset(data)
     assert isinstance(spec, Map)  # noqa: S101 - one of MAPS
-    tau = _square(read_dataset(data)["tau_align"].values, None)
+    tau = _square(dataset["tau_align"].values)
     known = tau[~np.isnan(tau)]
     least, most = (float(known.min()), float(known.max())) if known.size else (1.0, 1.0)
     steps = math.log(most / least) or 1.0
     share = np.nan_to_num(np.log(tau / least) / steps, nan=-1.0)
+    nodes = {dim: dataset[dim.removeprefix(START)] for dim in map(str, dataset["reliable"].dims)}
+    reliable = dataset["reliable"].sel(nodes, method="nearest")
     levels = np.where(share < 0.0, 0, 1 + np.rint(share * _LEVELS)).astype(np.uint8)
-    stored = {
+    return {
         "x": spec.x.parameter, "y": spec.y.parameter,
         "xs": [spec.x.start, spec.x.stop], "ys": [spec.y.start, spec.y.stop],
         "cells": len(tau), "least": least, "most": most,
         "duration": packed(levels.tobytes()), "values": study.parameters(name).given(),
+        "reliable": packed(_square(reliable.values).astype(np.uint8).tobytes()),
     }  # fmt: skip
-    reliable = _square(read_dataset(refined)["reliable"].values, _MOST_NODES)
-    stored["reliable"] = packed(reliable.astype(np.uint8).tobytes())
-    return stored
 
 
-def _square(values: NDArray[Any], most: int | None) -> NDArray[Any]:
-    """Resample to a square, of at most ``most`` rows and columns, by nearest values."""
-    side = min(values.shape[1], most or values.shape[1])
-    rows, columns = (np.rint(np.linspace(0, n - 1, side)).astype(int) for n in values.shape)
-    return values[np.ix_(rows, columns)]
+def _square(values: NDArray[Any]) -> NDArray[Any]:
+    """Resample to a square, with as many rows as columns, by nearest values."""
+    rows = np.rint(np.linspace(0, len(values) - 1, values.shape[1])).astype(int)
+    return values[rows]

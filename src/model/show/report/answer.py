@@ -1,173 +1,101 @@
-"""Section at the head of the page: the answer in a few sentences, six numbers and one figure."""
+"""Section at the head of the page: the answer in six numbers, a table of these, and one figure."""
 
-import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
-from model.events.outcomes import OUTCOME_TEXT, Outcome
+from model.events.outcomes import Outcome
 from model.show.report.figures import HEAD, Counts, article, counts_of
-from model.show.report.section import Results, Section
+from model.show.report.section import Results, Section, Table
 from model.show.words import figure_title, percent, short
 from model.study.claims.ledger import Line, read_ledger
 from model.study.config.figures import HISTORIES
 
-_CONCLUSION = re.compile(r"concl\. (\d+)")
 
-
-@dataclass(frozen=True)
-class Finding:
-    """A number of the answer, with its label, the question and a sentence that explains it."""
+class Finding(NamedTuple):
+    """A number of the answer: what it is of, and its least and largest over the figures."""
 
     number: str
     label: str
-    question: str
-    sentence: str
+    least: str = ""
+    most: str = ""
 
 
 def section(results: Results) -> Section:
     """Return the section with the answer."""
     counts = {name: of for name, of in counts_of(results).items() if name not in HISTORIES}
-    findings = (
+    dataset = results.dataset(f"data/{HEAD}.nc")
+    every = results.study.maps.ensemble.every
+    aligned = dataset["outcome"].values[::every, ::every] == Outcome.ALIGNED
+    starts = dataset["start_outcome"][0, 0].size
+    findings = [
         _aligned(counts),
         _duration(counts),
-        _reliable(results),
-        _vibration(counts),
-        _inserted(counts),
+        _share(
+            float((dataset["reliable"].values[aligned] == 1).mean()) if aligned.any() else np.nan,
+            f"of what aligns in {figure_title(HEAD)} aligns from each of {starts} starts",
+        ),
+        _of_aligned(counts, "unvibrated", "rests", "rests on the edge unless it is vibrated"),
+        _of_aligned(counts, "insertion", "inserted", "goes in"),
         _paper(read_ledger(results.file("claims.csv"))),
-    )
+    ]
+    known = [finding for finding in findings if finding is not None]
     content = {
-        "findings": [finding for finding in findings if finding is not None],
+        "findings": known,
+        "spread": Table((">", "", "least in a figure", "most"), [f for f in known if f.least]),
         "article": article(results, HEAD),
     }
     return Section("answer", "The answer", Path(__file__).with_suffix(".html.j2"), content)
 
 
-def _aligned(counts: Mapping[str, Counts]) -> Finding:
+def _share(share: float, label: str, shares: Mapping[str, float] | None = None) -> Finding | None:
+    """Return a finding on a share, None if it is unknown; ``shares`` are those of the figures."""
+    if np.isnan(share):
+        return None
+    ends = () if shares is None else _ends(shares)
+    return Finding(percent(share), label, *ends)
+
+
+def _ends(shares: Mapping[str, float]) -> tuple[str, str]:
+    """Return the smallest and the largest share, each with its figure."""
+    low, high = (of(shares, key=lambda name: shares[name]) for of in (min, max))
+    least, most = (f"{percent(shares[each])} ({figure_title(each)})" for each in (low, high))
+    return least, most
+
+
+def _aligned(counts: Mapping[str, Counts]) -> Finding | None:
     runs = sum(each.runs for each in counts.values())
     aligned = sum(each.number_of(Outcome.ALIGNED) for each in counts.values())
     shares = {name: each.aligned_share for name, each in counts.items()}
-    sentence = f"Of the runs of a figure {_by_figure(shares)} align."
-    failing = {end: sum(each.number_of(end) for each in counts.values()) for end in Outcome}
-    del failing[Outcome.ALIGNED]
-    if aligned < runs:
-        usual = max(failing, key=lambda end: failing[end])
-        share = percent(failing[usual] / (runs - aligned))
-        sentence += f" Of those that do not, {share} end so: {OUTCOME_TEXT[usual]}."
-    label = f"of {runs:,} parameter sets align"
-    return Finding(percent(aligned / runs), label, "What aligns", sentence)
+    return _share(aligned / runs, f"of {runs:,} parameter sets align", shares)
 
 
 def _duration(counts: Mapping[str, Counts]) -> Finding | None:
     tau = np.concatenate([each.tau for each in counts.values()])
     if not tau.size:
         return None
-    frequency = np.concatenate([
-        np.broadcast_to(_along(each, "frequency"), each.aligned.shape)[each.aligned]
-        for each in counts.values()
-    ])  # fmt: skip
     low, middle, high = (short(time) for time in np.quantile(tau, (0.05, 0.5, 0.95)))
-    periods = short(float(np.median(tau * frequency)) / (2.0 * np.pi))
-    sentence = (
-        f"Nine in ten of the parts that align take τ = {low} to {high}, in units of the inverse "
-        f"natural frequency along the axis; in the median {middle}, or {periods} periods of the "
-        "excitation."
-    )
-    return Finding(f"τ = {middle}", "alignment duration, median", "How fast", sentence)
-
-
-def _along(counts: Counts, name: str) -> np.ndarray:
-    """Return a parameter's values in a shape that broadcasts over the runs."""
-    values, dims = counts.dataset[name], counts.dataset["outcome"].dims
-    return np.reshape(values.values, [-1 if each in values.dims else 1 for each in dims])
-
-
-def _reliable(results: Results) -> Finding | None:
-    refined = results.dataset(f"data/maps/{HEAD}.nc")
-    aligned = refined["outcome"].values == Outcome.ALIGNED
-    if not aligned.any():
-        return None
-    share = float((refined["reliable"].values[aligned] == 1).mean())
-    ensemble = results.study.maps.ensemble
-    starts = ensemble.phases * len(ensemble.tilts)
-    sentence = (
-        f"Phase of the vibration and tilt at touch-down cannot be controlled. {percent(share)} of "
-        f"the area that aligns in {figure_title(HEAD)} aligns from each of {starts} such starts: "
-        "there it is reliable. Elsewhere it depends on the start."
-    )
-    label = f"of what aligns in {figure_title(HEAD)} aligns from every start"
-    return Finding(percent(share), label, "How safely", sentence)
-
-
-def _vibration(counts: Mapping[str, Counts]) -> Finding | None:
-    rest, alone = (_of_aligned(counts, "unvibrated", end) for end in ("rests", "aligns"))
-    if rest is None or alone is None:
-        return None
-    sentence = (
-        f"Pressed without vibration, {rest[0]} of the parts that align rest on the edge: vibration "
-        f"aligns them. {alone[0]} align by the press alone, and the others topple or leave. Of "
-        f"those of a figure, {rest[1]} rest."
-    )
-    label = "of what aligns rests on the edge unless it is vibrated"
-    return Finding(rest[0], label, "What vibration adds", sentence)
-
-
-def _inserted(counts: Mapping[str, Counts]) -> Finding | None:
-    inserted = _of_aligned(counts, "insertion", "inserted")
-    if inserted is None:
-        return None
-    sentence = (
-        "Aligned is the moment of falling in. Followed further, with contact on both walls of the "
-        f"slot, {inserted[0]} go in; the others jam, climb out or leave. Of those of a figure, "
-        f"{inserted[1]} go in."
-    )
-    return Finding(inserted[0], "of what aligns goes in", "Does it go in", sentence)
+    label = f"alignment duration, median; of nine in ten, {low} to {high}"
+    return Finding(f"τ = {middle}", label)
 
 
 def _of_aligned(
-    counts: Mapping[str, Counts], variable: str, meaning: str
-) -> tuple[str, str] | None:
-    """Return the share of all aligned runs with a flag, and its range over the figures."""
+    counts: Mapping[str, Counts], variable: str, meaning: str, words: str
+) -> Finding | None:
+    """Return the share of all aligned runs with a flag."""
     known = {name: each.share_of(variable, meaning) for name, each in counts.items()}
     shares = {name: share for name, share in known.items() if not np.isnan(share)}
     if not shares:
         return None
     weights = [counts[name].number_of(Outcome.ALIGNED) for name in shares]
-    return percent(float(np.average([*shares.values()], weights=weights))), _by_figure(shares)
-
-
-def _by_figure(shares: Mapping[str, float]) -> str:
-    """Say the smallest and the largest share, each with its figure."""
-    low, high = (of(shares, key=lambda name: shares[name]) for of in (min, max))
-    if percent(shares[low]) == percent(shares[high]):
-        return percent(shares[low])
-    return (
-        f"from {percent(shares[low])} ({figure_title(low)}) to {percent(shares[high])} "
-        f"({figure_title(high)})"
-    )
+    share = float(np.average([*shares.values()], weights=weights))
+    return _share(share, f"of what aligns {words}", shares)
 
 
 def _paper(lines: Sequence[Line]) -> Finding:
-    judged = [line for line in lines if line.verdict != "not checkable"]
-    right = [line for line in judged if line.verdict == "reproduced"]
-    wrong = sum(line.verdict == "contradicted" for line in judged)
-    conclusions: dict[int, bool] = {}
-    for line in judged:
-        for digits in _CONCLUSION.findall(line.place):
-            conclusions[int(digits)] = conclusions.get(int(digits), True) and line in right
-    holding = [str(number) for number, holds in sorted(conclusions.items()) if holds]
-    sentence = (
-        f"Of {len(judged)} checkable claims {len(right)} are reproduced, {wrong} contradicted, "
-        f"{len(judged) - len(right) - wrong} hold in part."
-    )
-    if conclusions:
-        sentence += (
-            f" Of its {len(conclusions)} conclusions that can be checked, these hold in every "
-            f"part: {', '.join(holding) or 'none'}."
-        )
-    label = "claims of the paper reproduced"
-    return Finding(
-        f"{len(right)} of {len(judged)}", label, "What the paper got right and wrong", sentence
-    )
+    judged = [line.verdict for line in lines if line.verdict != "not checkable"]
+    right, wrong = (judged.count(word) for word in ("reproduced", "contradicted"))
+    label = f"claims of the paper reproduced; {wrong} contradicted, the others in part"
+    return Finding(f"{right} of {len(judged)}", label)

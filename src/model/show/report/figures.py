@@ -1,6 +1,5 @@
 """Section on the figures: every figure with its result, and a table of all runs."""
 
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -16,16 +15,14 @@ from model.show.report.section import (
     assignments,
     link,
     subscripts,
-    symbol,
     values_of,
 )
 from model.show.schematics import CAPTIONS
-from model.show.style import Bools, Floats, flagged, runs_of
+from model.show.style import Bools, Floats, flagged
 from model.show.words import figure_number, figure_title, percent, power, short
 from model.study.config.figures import COMPUTED, MAPS
 
 HEAD = MAPS[-1]  # the figure at the head of the page, also in README
-_FEW = 3  # most ranges that are stated one by one
 _CODE = Markup("<code>{}</code>")
 
 
@@ -63,11 +60,8 @@ class Counts:
         return float(flagged(self.dataset, variable, meaning)[self.aligned].mean())
 
 
-# Shares of the aligned runs: variable, beginning of its flag, words, head of the column.
-SHARES = (
-    ("insertion", "inserted", "of them go in", "go in"),
-    ("unvibrated", "rests", "of them rest on the edge without vibration", "rest unvibrated"),
-)
+# Shares of the aligned runs: variable, beginning of its flag, head of the column.
+SHARES = (("insertion", "inserted", "go in"), ("unvibrated", "rests", "rest unvibrated"))
 
 
 def counts_of(results: Results) -> dict[str, Counts]:
@@ -96,17 +90,23 @@ def _glance(counts: dict[str, Counts]) -> Table:
     ends = [end for end in Outcome if any(own.number_of(end) for own in counts.values())]
     heads = [f">{end.name.lower().replace('_', ' ')}" for end in ends]
     return Table(
-        ("figure", ">runs", *heads, *(f">{head}" for *_, head in shares), ">sensitive",
-         ">error of τ: median", ">largest"),
+        ("figure", ">runs", *heads, ">chaotic", ">sensitive", ">align", ">τ from", ">to",
+         *(f">{head}" for *_, head in shares), ">error of τ: median", ">largest",
+         ">if sensitive"),
         [
             (
                 link(figure_title(name), f"#{name}"),
                 f"{own.runs:,}",
                 *(f"{own.number_of(end):,}" for end in ends),
-                *(percent(own.share_of(variable, flag)) for variable, flag, *_ in shares),
+                own.chaotic,
                 int(own.sensitive.sum()),
+                percent(own.aligned_share),
+                *((short(tau, 3) for tau in (own.tau.min(), own.tau.max()))
+                  if own.tau.size else ("–", "–")),
+                *(percent(own.share_of(variable, flag)) for variable, flag, _ in shares),
                 power(own.error(0.5)),
                 power(own.error(1.0)),
+                power(own.error(1.0, sensitive=True)),
             )
             for name, own in counts.items()
         ],
@@ -126,8 +126,8 @@ def article(results: Results, name: str) -> dict[str, object]:
             f"figures/{name}", caption, f"Figure {figure_number(name)}: {spec.title}. {caption}"
         ),
         "files": (),
+        "held": "",
         "varied": "",
-        "sentence": "",
     }
     if name not in COMPUTED:
         return content
@@ -140,65 +140,4 @@ def article(results: Results, name: str) -> dict[str, object]:
         "files": (*live, ("dataset (netCDF)", f"data/{name}.nc")),
         "varied": assignments((each, values_of(dataset, each)) for each in varied),
         "held": assignments((each, values_of(dataset, each)) for each in FIELDS if each in held),
-        "sentence": _moment(dataset) if spec.kind == "history" else _result(Counts(dataset)),
-        "ranges": _ranges(dataset) if spec.kind == "curves" else "",
     }
-
-
-def _moment(dataset: xr.Dataset) -> str:
-    tau, error = float(dataset["tau_align"]), float(dataset["tau_error"])
-    if np.isnan(tau):
-        return f"It does not align: {OUTCOME_TEXT[Outcome(int(dataset['outcome']))]}."
-    return f"It aligns at τ = {short(tau, 6)}, with an estimated error of {power(error)}."
-
-
-def _result(counts: Counts) -> str:
-    """Say in a sentence how the runs of a figure end."""
-    words = f"{percent(counts.aligned_share)} of {counts.runs:,} runs align"
-    if counts.tau.size:
-        low, high = short(counts.tau.min(), 3), short(counts.tau.max(), 3)
-        words += f", in τ = {low} to {high}"
-    for variable, flag, text, _ in SHARES:
-        share = counts.share_of(variable, flag)
-        if not np.isnan(share):
-            words += f"; {percent(share)} {text}"
-    if counts.sensitive.any():
-        error = power(counts.error(1.0, sensitive=True))
-        words += f"; {int(counts.sensitive.sum())} are sensitive (error of τ up to {error})"
-    if counts.chaotic:
-        words += f"; {counts.chaotic} reach the horizon with sensitive dependence on the start"
-    failed = counts.number_of(Outcome.FAILED)
-    return words + (f"; {failed} failed." if failed else ".")
-
-
-def _ranges(dataset: xr.Dataset) -> Markup:
-    """Say over which values of the swept parameter each curve aligns."""
-    family, swept = (dataset[str(name)] for name in dataset["outcome"].dims)
-    own, along = (symbol(FIELDS[str(each.name)].symbol) for each in (family, swept))
-    throughout, parts = [], []
-    for value, aligned in zip(family.values, dataset["outcome"].values == 0, strict=True):
-        if aligned.all():
-            throughout.append(short(value, 3))
-        else:
-            x = swept.values
-            ends = [(float(x[first]), float(x[end - 1])) for first, end in runs_of(aligned)]
-            where = _in_words(along, ends)
-            parts.append(Markup("at {} = {} {}").format(own, short(value, 3), where))
-    if throughout:
-        parts.insert(0, Markup("throughout at {} = {}").format(own, ", ".join(throughout)))
-    return Markup("Aligns {}.").format(Markup("; ").join(parts))
-
-
-def _in_words(along: Markup, ranges: Sequence[tuple[float, float]]) -> Markup:
-    """Say in which ranges of a parameter, each by its first and last value, a curve aligns."""
-    if not ranges:
-        return Markup("nowhere")
-    if len(ranges) > _FEW:
-        low, high = short(ranges[0][0], 3), short(ranges[-1][1], 3)
-        words = f"{len(ranges)} ranges between {low} and {high}"
-        return Markup("for {} in {}").format(along, words)
-    words = " and ".join(
-        short(low, 3) if low == high else f"{short(low, 3)} to {short(high, 3)}"
-        for low, high in ranges
-    )
-    return Markup("for {} = {}").format(along, words)

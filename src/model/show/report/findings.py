@@ -17,7 +17,7 @@ from model.study.claims.ledger import read_ledger
 from model.study.claims.regime import regime_of
 from model.study.config.figures import COMPUTED
 from model.study.jamming import entered, in_jamming_diagram, jammed, wedging_side
-from model.study.vibration import overshoot_of
+from model.sweeps.vibration import overshoot_of
 
 VIBRATION_CAPTION = (
     "What vibration adds over tilt stiffness and pressing force. On the ticked side of the line "
@@ -42,7 +42,7 @@ def vibration(results: Results) -> Section:
          ">tilt, median", ">largest", ">corners inside", ">lift off"),
         [_shares(name, dataset) for name, dataset in own.items()],
     )  # fmt: skip
-    added = results.picture("figures/maps/fig13_vibration", VIBRATION_CAPTION)
+    added = results.picture("figures/fig13_vibration", VIBRATION_CAPTION)
     content = {"added": added, "shares": shares}
     template = _FOLDER / "findings.vibration.html.j2"
     return Section("vibration", "What vibration adds", template, content)

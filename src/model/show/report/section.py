@@ -20,7 +20,7 @@ from markupsafe import Markup, escape
 from model.physics.parameters import FIELDS
 from model.show.words import number, symbol_parts
 from model.study.config.study import Study
-from model.study.io import read_dataset
+from model.sweeps.io import read_dataset
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from importlib import resources
 from typing import Any
 
 from model.study.claims.check import Check, check_of
-from model.study.files import parse_yaml
+from model.sweeps.files import parse_yaml
 
 EVERY_FIGURE = tuple(f"fig{number:02}" for number in range(5, 15))
 _KINDS = {

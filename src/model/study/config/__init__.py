@@ -1,6 +1,6 @@
 """The study as data: the files in config/, checked before anything is computed."""
 
-from model.study.config.base import Axis, ConfigError, Family, Span, check_plane
+from model.study.config.base import ConfigError
 from model.study.config.figures import (
     COMPUTED,
     CURVES,
@@ -10,7 +10,6 @@ from model.study.config.figures import (
     MAPS,
     SCHEMATICS,
     Curves,
-    Ensemble,
     Map,
 )
 from model.study.config.load import (
@@ -21,12 +20,10 @@ from model.study.config.load import (
     study_files,
     study_path,
 )
-from model.study.config.settings import RunSettings
 from model.study.config.study import Study
 
 __all__ = [
-    "COMPUTED", "CURVES", "FIGURES", "GRIDDED", "HISTORIES", "MAPS", "SCHEMATICS", "Axis",
-    "ConfigError", "Curves", "Ensemble", "Family", "Map", "RunSettings", "Span", "Study",
-    "baseline", "check_plane", "check_study", "load_study", "read_study", "study_files",
+    "COMPUTED", "CURVES", "FIGURES", "GRIDDED", "HISTORIES", "MAPS", "SCHEMATICS", "ConfigError",
+    "Curves", "Map", "Study", "baseline", "check_study", "load_study", "read_study", "study_files",
     "study_path",
 ]  # fmt: skip

@@ -4,7 +4,8 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field
 
-from model.study.config.base import LogRange, Strict, parameter_names
+from model.study.config.base import LogRange
+from model.sweeps.axes import Strict, parameter_names
 
 
 class Range(LogRange):

@@ -4,9 +4,9 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 
 from model.physics.parameters import FIELDS, REQUIRED_NAMES, Batch, Parameters, check_name
-from model.study.config.base import Axis, Family, Span, check_plane
 from model.study.config.figures import COMPUTED, KIND, Curves, Map
 from model.study.config.study import Study
+from model.sweeps.axes import Axis, Family, check_plane
 
 
 def faults_of(study: Study) -> list[str]:
@@ -35,7 +35,7 @@ def _noted(place: str, faults: list[str]) -> Iterator[None]:
 
 
 def _varied(
-    place: str, what: str, parts: Iterable[Span | Family], held: Iterable[str]
+    place: str, what: str, parts: Iterable[Axis | Family], held: Iterable[str]
 ) -> Iterable[str]:
     """Yield a line for each parameter that is varied twice, or both held and varied."""
     names = [part.parameter for part in parts]

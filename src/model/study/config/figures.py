@@ -7,7 +7,9 @@ from typing import Annotated, Literal
 
 from pydantic import Discriminator, Field, model_validator
 
-from model.study.config.base import Axis, Family, ParameterValues, PowerOfTwo, Span, Strict, Text
+from model.study.config.base import ParameterValues, Text
+from model.sweeps.axes import Axis, Family, Strict
+from model.sweeps.settings import Ensemble
 
 SCHEMATICS = ("fig01", "fig02", "fig03", "fig04")
 HISTORIES = ("fig05",)
@@ -56,17 +58,22 @@ class Curves(FigureBase):
     """Number of jobs that the points are divided among."""
 
 
-class Map(FigureBase):
-    """Outcome and duration over two parameters (Figs. 13 and 14)."""
+class Plane(FigureBase):
+    """Outcome and duration over two parameters."""
 
-    kind: Literal["map"]
-    """Kind of the figure: outcome and alignment time over two parameters."""
     x: Axis
     """Parameter along the horizontal axis."""
     y: Axis
     """Parameter along the vertical axis."""
-    chunks: int = Field(ge=1, le=64)
+    chunks: int = Field(ge=1, le=1000)
     """Number of jobs that the points are divided among."""
+
+
+class Map(Plane):
+    """A map that is a figure of the paper (Figs. 13 and 14)."""
+
+    kind: Literal["map"]
+    """Kind of the figure: outcome and alignment time over two parameters."""
 
 
 FigureSpec = Annotated[Schematic | History | Curves | Map, Discriminator("kind")]
@@ -78,43 +85,10 @@ KIND = (
 )
 
 
-class Plane(FigureBase):
-    """A map over two parameters that is not a figure of the paper."""
-
-    x: Span
-    """Parameter along the horizontal axis."""
-    y: Span
-    """Parameter along the vertical axis."""
-
-
-class Ensemble(Strict):
-    """Initial conditions from all of which a reliable part aligns; see maps/starts.py."""
-
-    phases: int = Field(ge=1)
-    """Number of equidistant phases of the excitation at touch-down."""
-    tilts: list[Annotated[float, Field(gt=0.0)]] = Field(min_length=1)
-    """Initial tilts, in units of the device's ``initial_tilt``."""
-    every: PowerOfTwo = Field(ge=1)
-    """Spacing of the ensemble's lattice in cells of the map, a power of two."""
-
-
-class Resolution(Strict):
-    """Finest cells along a side of a map, powers of two."""
-
-    figures: PowerOfTwo = Field(ge=2, le=8192)
-    """Finest cells along a side of the paper's maps."""
-    planes: PowerOfTwo = Field(ge=2, le=8192)
-    """Finest cells along a side of the other maps."""
-
-
 class Maps(Strict):
-    """Maps refined along boundaries: over the ranges of the paper's maps, and over others."""
+    """Stability maps that are no figures of the paper, and the starts that all maps try."""
 
-    resolution: Resolution
-    """Finest cells along a side."""
-    chunks: int = Field(ge=1, le=1000)
-    """Number of jobs that a map is divided among."""
-    ensemble: Ensemble
+    ensemble: Ensemble = Ensemble()
     """Initial conditions of the test for reliable alignment."""
     planes: dict[str, Plane]
     """Maps that are not in the paper, by name."""
@@ -122,5 +96,5 @@ class Maps(Strict):
     @model_validator(mode="after")
     def _names_are_new(self) -> "Maps":
         for name in set(self.planes) & set(FIGURES):
-            raise ValueError(f"planes.{name}: is the name of a map that the study has already")
+            raise ValueError(f"planes.{name}: is the name of a figure")
         return self

@@ -4,7 +4,8 @@ from typing import Annotated
 
 from pydantic import Field
 
-from model.study.config.base import LogRange, Strict, Text, Tolerance
+from model.study.config.base import LogRange, Text
+from model.sweeps.axes import Strict, Tolerance
 
 
 class Grid(Strict):
@@ -27,14 +28,14 @@ class Stage(Strict):
     """Number of operating points of each figure."""
 
 
-class Judged(Strict):
-    """Structures that are judged in stages."""
+class Scored(Strict):
+    """Structures that are scored in stages."""
 
     stages: list[Stage] = Field(min_length=1)
-    """Grids on which a structure is judged, one after the other."""
+    """Grids on which a structure is scored, one after the other."""
 
 
-class Pool(Judged):
+class Pool(Scored):
     """Structures drawn from the priors; the best of them are the first generation."""
 
     structures: int = Field(ge=1)
@@ -43,7 +44,7 @@ class Pool(Judged):
     """Number of parts, each one job."""
 
 
-class Round(Judged):
+class Round(Scored):
     """A part of a search, which begins from the best structures of the part before."""
 
     generations: int = Field(ge=1)
@@ -52,15 +53,15 @@ class Round(Judged):
     """Structures in a generation."""
 
 
-class Final(Judged):
-    """Judgement of the best structures; the last grid is the study's own."""
+class Final(Scored):
+    """Scores of the best structures; the last grid is the study's own."""
 
     sets: int = Field(ge=1)
     """Number of structures."""
 
 
-class Polish(Judged):
-    """Small steps from the best judged structures; the last grid is the study's own."""
+class Polish(Scored):
+    """Small steps from the best structures; the last grid is the study's own."""
 
     sets: int = Field(ge=1)
     """Number of structures, each one job."""
@@ -120,6 +121,6 @@ class Identification(Problem):
     rounds: list[Round]
     """Rounds of each search; a further round goes on where the last has ended."""
     final: Final
-    """Judgement on the study's own grids."""
+    """Scores on the study's own grids."""
     polish: Polish
     """Steps on the study's own grids."""

@@ -14,7 +14,7 @@ from model.study.config.base import ConfigError
 from model.study.config.checks import faults_of
 from model.study.config.figures import KIND
 from model.study.config.study import Study
-from model.study.files import parse_yaml, read_text
+from model.sweeps.files import parse_yaml, read_text
 
 
 def _keys(annotation: Any, path: Sequence[int | str]) -> list[str]:

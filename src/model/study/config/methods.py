@@ -2,7 +2,8 @@
 
 from pydantic import Field, model_validator
 
-from model.study.config.base import Falling, ParameterValues, Strict, Text, Tolerance
+from model.study.config.base import Falling, ParameterValues, Text
+from model.sweeps.axes import Strict, Tolerance
 
 
 class Case(Strict):

@@ -2,7 +2,8 @@
 
 from pydantic import Field
 
-from model.study.config.base import Axis, Family, ParameterValues, Strict, Text
+from model.study.config.base import ParameterValues, Text
+from model.sweeps.axes import Axis, Family, Strict
 
 
 class ClaimRun(Strict):
@@ -28,7 +29,7 @@ class ClaimRun(Strict):
 
 
 class Jamming(Strict):
-    """Runs with the contacts inside the slot; see model/study/sweep.py."""
+    """Runs with the contacts inside the slot; see model/sweeps/sweep.py."""
 
     title: Text
     """Title of the figure."""

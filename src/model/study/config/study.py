@@ -4,12 +4,13 @@ from pydantic import model_validator
 
 from model.physics.parameters import Parameters, check_name
 from model.study.config.accuracy import Accuracy
-from model.study.config.base import ParameterValues, Strict, Text
-from model.study.config.figures import FIGURES, MAPS, FigureSpec, Map, Maps, Plane
+from model.study.config.base import ParameterValues, Text
+from model.study.config.figures import FIGURES, FigureSpec, Maps, Plane
 from model.study.config.identification import Identification
 from model.study.config.methods import HardCases, Precision
 from model.study.config.runs import ClaimRun, Jamming
-from model.study.config.settings import RunSettings
+from model.sweeps.axes import Strict
+from model.sweeps.settings import RunSettings
 
 
 class Study(Strict):
@@ -61,25 +62,19 @@ class Study(Strict):
         """Device at its default operating point."""
         return Parameters(**self.structure, **self.operating_point)
 
-    def parameters(self, figure: str) -> Parameters:
-        """Return the parameters that a figure holds; those that it varies are the baseline's."""
-        return self.baseline.replace(**self.figures[figure].held)
-
-    def plane(self, name: str) -> Plane | Map:
-        """Return the ranges and wording of a map, which is a figure or one of ``maps.planes``.
+    def spec_of(self, name: str) -> FigureSpec | Plane:
+        """Return what is stated of a figure or of a further map.
 
         Raises:
-            ValueError: there is no map of this name.
+            ValueError: there is no figure or map of this name.
         """
-        check_name(name, self.map_names, "map")
-        plane = self.maps.planes.get(name) or self.figures[name]
-        assert isinstance(plane, (Plane, Map)), name  # noqa: S101  (checked with the figures)
-        return plane
+        stated: dict[str, FigureSpec | Plane] = {**self.figures, **self.maps.planes}
+        check_name(name, [*stated], "figure or map")
+        return stated[name]
 
-    @property
-    def map_names(self) -> tuple[str, ...]:
-        """Names of the study's maps, the paper's first."""
-        return *MAPS, *self.maps.planes
+    def parameters(self, name: str) -> Parameters:
+        """Return the parameters that a figure or map holds; those it varies are the baseline's."""
+        return self.baseline.replace(**self.spec_of(name).held)
 
     def claim_parameters(self, name: str) -> Parameters:
         """Return the parameters that a run of the claims holds; others are the baseline's."""

@@ -2,7 +2,7 @@
 
 A claim falls short by 0 where it is shown with a margin to spare, by 1 and more where it is not.
 Given the structure, figures meet in sums and maxima only: a claim on several figures falls short by
-the mean of what it does in the worst one and in all. So each figure is computed and judged alone,
+the mean of what it does in the worst one and in all. So each figure is computed and scored alone,
 and to choose an operating point for each costs no further run.
 """
 
@@ -15,6 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from model.events.outcomes import Outcome
 from model.physics.parameters import FIELDS, Batch
@@ -26,9 +27,8 @@ from model.study.claims.ledger import Judgement, judge_claim
 from model.study.claims.regime import regime_of
 from model.study.claims.statistics import share
 from model.study.config.identification import Aims, Grid, Problem
-from model.study.devices.batches import rows_of
 from model.study.identification.space import REST_HORIZON, REST_TOLERANCE, TRACKED, Array, Space
-from model.study.sweep import Sweep, merge, run
+from model.sweeps.sweep import Sweep, merge, run
 
 SAFE = 0.03  # margin from which a claim counts as shown; less may be lost on another grid
 TOWARDS = 0.25  # of a claim, for the distance to what is claimed, so that the search sees a slope
@@ -37,7 +37,7 @@ AIM, LIMIT = 4.0, 8.0  # claims that an aim and a limit missed by its whole size
 _MISSED = 1.0  # claims that a set counts as more in small steps, if it misses any limit
 _MOST_EXCESS = 2.0
 _PREFERENCE = 0.5  # claims that a friction of twice the preferred one counts as
-_SHARED_WEIGHT = 0.4  # of a claim on several figures, while each is judged alone
+_SHARED_WEIGHT = 0.4  # of a claim on several figures, while each is scored alone
 BEARING = np.array([max(len(claim.figures), 1) for claim in CLAIMS])
 SHARED = np.array([len(claim.figures) > 1 and not claim.compares for claim in CLAIMS])
 
@@ -57,7 +57,7 @@ _NOTHING = Numbers(0.0, 0.0, 1.0, math.pi / 2.0, 0.0, 0.0)  # of a figure that n
 
 
 @dataclass(frozen=True)
-class Tried:
+class Scores:
     """A figure of one structure at t operating points.
 
     Attributes:
@@ -92,8 +92,8 @@ class Choice:
 # --- Figures --------------------------------------------------------------------------------------
 
 
-def tried(space: Space, structure: Array, figure: str, points: Array, grid: Grid) -> Tried:
-    """Compute and judge a figure of a structure at operating points, shape (t, unknowns)."""
+def scores_of(space: Space, structure: Array, figure: str, points: Array, grid: Grid) -> Scores:
+    """Compute and score a figure of a structure at operating points, shape (t, unknowns)."""
     names = space.of_figure(figure, grid)
     whole = np.full((len(points), len(space.names)), 0.5)
     whole[:, space.places["structure"]] = structure
@@ -104,7 +104,7 @@ def tried(space: Space, structure: Array, figure: str, points: Array, grid: Grid
     devices = [tables.at(row) for row in range(len(points))]
     shorts = np.array([_shorts(space, each) for each in devices])
     numbers = [numbers_of(figure, *each) for each in zip(devices, values, strict=True)]
-    return Tried(points, shorts, np.array(numbers), tables)
+    return Scores(points, shorts, np.array(numbers), tables)
 
 
 def tables_of(devices: Sequence[Sequence[Sweep]], figures: Sequence[str]) -> Tables:
@@ -114,12 +114,12 @@ def tables_of(devices: Sequence[Sequence[Sweep]], figures: Sequence[str]) -> Tab
     in ``figures``, have no unvibrated controls, which none of their claims reads.
     """
     pairs = [(device, each) for device, sweeps in enumerate(devices) for each in sweeps]
-    gridded = [each.dimensions and each.figure not in TRACKED for _, each in pairs]
+    gridded = [each.dimensions and each.name not in TRACKED for _, each in pairs]
     parts = defaultdict(list)
     for (device, sweep), is_gridded in zip(pairs, gridded, strict=True):
         if not is_gridded:
             table = table_of(merge(sweep, "", [run(sweep)]))
-            parts[sweep.figure].append(table.assign(device=device))
+            parts[sweep.name].append(table.assign(device=device))
     tables = {name: pd.concat(each) for name, each in parts.items()}
     return Tables(tables | _of_grids([*itertools.compress(pairs, gridded)], figures))
 
@@ -135,11 +135,11 @@ def _of_grids(
     together = Batch({n: np.concatenate([each.values[n] for each in batches]) for n in FIELDS})
     # In a drawn order the long runs do not come together, and few lanes idle at the end.
     order = np.random.default_rng(0).permutation(len(together))
-    found = run_once(rows_of(together, order), settings)
+    found = run_once(_rows(together, order), settings)
     back = np.argsort(order)
     columns = {name: found[name][back] for name in found}
     sizes = [len(each) for each in batches]
-    names = np.repeat([each.figure for each in sweeps], sizes)
+    names = np.repeat([each.name for each in sweeps], sizes)
     columns["device"] = np.repeat([device for device, _ in pairs], sizes)
     columns["sensitive"] = np.zeros(len(together))
     columns["unvibrated"] = np.zeros(len(together))
@@ -147,19 +147,22 @@ def _of_grids(
     needed = np.flatnonzero(np.isin(names, figures) & (columns["outcome"] == Outcome.ALIGNED))
     if needed.size:
         still = replace(settings, horizon=REST_HORIZON, tolerance=REST_TOLERANCE)
-        rest = unvibrated(rows_of(together, needed), still)
+        rest = unvibrated(_rows(together, needed), still)
         columns["unvibrated"][needed] = rest.outcome
         columns["unvibrated_tilt"][needed] = rest.tilt
     frame = pd.DataFrame({**together.values, **columns})
     return {
-        each.figure: with_columns(
-            frame[names == each.figure], each.kind, each.dimensions[0].parameter
-        )
-        for each in {each.figure: each for each in sweeps}.values()
+        each.name: with_columns(frame[names == each.name], each.kind, each.dimensions[0].parameter)
+        for each in {each.name: each for each in sweeps}.values()
     }
 
 
-# --- Judgement of a figure alone ------------------------------------------------------------------
+def _rows(batch: Batch, rows: NDArray[np.int64]) -> Batch:
+    """Return the parameter sets in some rows of a batch."""
+    return Batch({name: column[rows] for name, column in batch.values.items()})
+
+
+# --- Score of a figure alone ----------------------------------------------------------------------
 
 
 def _shorts(space: Space, tables: Tables) -> Array:
@@ -260,7 +263,7 @@ def shortfall_at_last(problem: Problem, shortfall: float, numbers: Mapping[str, 
     return shortfall + (0.0 if meets_limits(problem, numbers) else _MISSED)
 
 
-def chosen(space: Space, structure: Array, figures: Mapping[str, Tried]) -> Choice:
+def chosen(space: Space, structure: Array, figures: Mapping[str, Scores]) -> Choice:
     """Return the operating points of least shortfall: from several starts, one figure at a time."""
     problem, names = space.problem, list(figures)
     missed = {name: short_of_aims(problem, name, figures[name].numbers) for name in names}
@@ -294,9 +297,13 @@ def chosen(space: Space, structure: Array, figures: Mapping[str, Tried]) -> Choi
 
 
 def costs_alone(
-    space: Space, figure: str, made: Tried, weight: float = 0.0, shared: float = _SHARED_WEIGHT
+    space: Space,
+    figure: str,
+    made: Scores,
+    weight: float = 0.0,
+    shared: float = _SHARED_WEIGHT,
 ) -> Array:
-    """Return the cost of each operating point of a figure judged alone, shape (t,), in claims.
+    """Return the cost of each operating point of a figure scored alone, shape (t,), in claims.
 
     Args:
         space: of the search.

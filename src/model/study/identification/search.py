@@ -1,4 +1,4 @@
-"""The search: structures drawn from the priors, moved by differential evolution, judged, polished.
+"""The search: structures drawn from the priors, moved by differential evolution, scored, polished.
 
 Each part is a function of the parts before it and its own seed, so that a search can be interrupted
 and goes on. Within a structure the figures' operating points are chosen from those of near
@@ -19,11 +19,11 @@ from model.study.config.identification import Round, Stage
 from model.study.identification.candidates import (
     Choice,
     Numbers,
-    Tried,
+    Scores,
     chosen,
     costs_alone,
+    scores_of,
     shortfall_at_last,
-    tried,
 )
 from model.study.identification.space import Array, Space
 
@@ -32,7 +32,7 @@ _SMALL_STEPS = (0.003, 0.01, 0.03)  # of structures at last, in widths of their 
 _NEW = 0.25  # share of operating points that are drawn from the priors
 _DIFFERENT = 0.02  # distance from which two structures count as different
 _FINAL, _POLISH = 1_000_000, 1_000_001  # numbers in seeds, beside those of the rounds
-_GIVE_UP = 1.3  # times the least shortfall above which a structure is not judged to its end
+_GIVE_UP = 1.3  # times the least shortfall above which a structure is not scored to its end
 # Figures in the order in which they rule out most structures for the least time.
 _ORDER = ("fig05", "fig10", "fig11", "fig09", "fig07", "fig08", "fig14", "fig13", "fig06", "fig12")
 
@@ -81,7 +81,7 @@ def pool(space: Space, structures: int, stages: Sequence[Stage], part: int) -> F
     choices: list[Choice] = []
     for structure in low + (high - low) * drawn:
         parents = np.empty((0, len(space.names)))
-        made = judged(space, structure, parents, stages, random, _worst(choices, 20))
+        made = scored(space, structure, parents, stages, random, _worst(choices, 20))
         choices += [made[0]] if made else []
     return Found.of(choices)
 
@@ -105,7 +105,7 @@ def evolve(space: Space, spec: Round, number: int, start: int, before: Found) ->
         worst = _worst(choices, 4)
         known = np.concatenate([*(each.point[None] for each in choices), near])
         parents = _nearest(structure, known, where)
-        made = judged(space, structure, parents, spec.stages, random, worst)
+        made = scored(space, structure, parents, spec.stages, random, worst)
         if not made:
             return _GIVE_UP * worst
         choices.append(made[0])
@@ -158,14 +158,14 @@ def _random(space: Space, number: int, part: int) -> Generator:
     return np.random.default_rng([space.problem.seed, number, part])
 
 
-def judged(
+def scored(
     space: Space,
     structure: Array,
     parents: Array,
     stages: Sequence[Stage],
     random: Generator,
     limit: float = math.inf,
-) -> tuple[Choice, Mapping[str, Tried]] | None:
+) -> tuple[Choice, Mapping[str, Scores]] | None:
     """Return the choice of a structure's operating points on the last grid, and its figures.
 
     The first stage tries operating points of ``parents`` (the first counts most), changes of them
@@ -184,9 +184,9 @@ def judged(
         for name in space.figures
     }
     for stage in stages:
-        grid, figures, certain = space.grid(stage.grid), dict[str, Tried](), 0.0
+        grid, figures, certain = space.grid(stage.grid), dict[str, Scores](), 0.0
         for name in _ORDER:
-            figures[name] = tried(space, structure, name, points[name][: stage.points], grid)
+            figures[name] = scores_of(space, structure, name, points[name][: stage.points], grid)
             certain += float(costs_alone(space, name, figures[name], shared=0.0).min())
             if certain > _GIVE_UP * limit:
                 return None
@@ -210,7 +210,7 @@ def _drawn(parents: Array, count: int, random: Generator) -> Array:
     ]
 
 
-def _best_first(space: Space, figures: Mapping[str, Tried], choice: Choice, name: str) -> Array:
+def _best_first(space: Space, figures: Mapping[str, Scores], choice: Choice, name: str) -> Array:
     """Return the operating points of a figure: the chosen one, then the best by several weights."""
     made = figures[name]
     ranks = [np.argsort(costs_alone(space, name, made, weight)) for weight in (2.0, 8.0, 20.0)]
@@ -227,7 +227,7 @@ def final(
     """
     where, point = space.places["structure"], _numbered(space, found, number)
     parents = _nearest(point[where], found.points, where)[:60]
-    made = judged(space, point[where], parents, stages, _random(space, _FINAL, number))
+    made = scored(space, point[where], parents, stages, _random(space, _FINAL, number))
     assert made is not None  # noqa: S101  (without a limit none is given up)
     return made[0], _tables(*made)
 
@@ -245,19 +245,19 @@ def polish(
         stages: grids and numbers of operating points of each step.
         trials: number of steps.
         number: of the set, from 0.
-        found: judged sets.
+        found: scored sets.
     """
     where, random = space.places["structure"], _random(space, _POLISH, number)
     point = _numbered(space, found, number)
     unmoved = [stage.model_copy(update={"points": 1}) for stage in stages]
-    best = judged(space, point[where], point[None], unmoved, random)
+    best = scored(space, point[where], point[None], unmoved, random)
     assert best is not None  # noqa: S101  (without a limit none is given up)
     least = _cost_at_last(space, *best)
     for _ in range(trials):
         point = best[0].point
         step = random.choice(_SMALL_STEPS) * random.normal(size=where.stop)
         structure = np.clip(point[where] + step, 0.0, 1.0)
-        made = judged(space, structure, point[None], stages, random, least / _GIVE_UP)
+        made = scored(space, structure, point[None], stages, random, least / _GIVE_UP)
         if made and (cost := _cost_at_last(space, *made)) < least:
             best, least = made, cost
     return best[0], _tables(*best)
@@ -274,7 +274,7 @@ def _numbered(space: Space, found: Found, number: int) -> Array:
     return np.asarray(best[number])
 
 
-def _cost_at_last(space: Space, choice: Choice, figures: Mapping[str, Tried]) -> float:
+def _cost_at_last(space: Space, choice: Choice, figures: Mapping[str, Scores]) -> float:
     """Return the ``shortfall_at_last`` of the chosen operating points."""
     numbers = {
         name: Numbers(*figures[name].numbers[row].tolist()) for name, row in choice.picked.items()
@@ -282,7 +282,7 @@ def _cost_at_last(space: Space, choice: Choice, figures: Mapping[str, Tried]) ->
     return shortfall_at_last(space.problem, choice.shortfall, numbers)
 
 
-def _tables(choice: Choice, figures: Mapping[str, Tried]) -> Tables:
+def _tables(choice: Choice, figures: Mapping[str, Scores]) -> Tables:
     """Return the tables of the chosen operating points."""
     picked = [figures[name].tables.at(row).alone() for name, row in choice.picked.items()]
     return Tables({name: table for each in picked for name, table in each.items()})

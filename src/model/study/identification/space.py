@@ -13,11 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model.engines.results import RESULTS
-from model.study.config.base import Axis, Family, Plan
 from model.study.config.identification import Grid, Problem
 from model.study.config.runs import ClaimRun
-from model.study.config.settings import RunSettings
-from model.study.sweep import TRACK_QUANTITIES, Sweep, sweep_of
+from model.study.plans import sweep_of
+from model.sweeps.axes import Axis, Family, Plan
+from model.sweeps.settings import RunSettings
+from model.sweeps.sweep import TRACK_QUANTITIES, Sweep
 
 if TYPE_CHECKING:
     from model.study.config.study import Study
@@ -33,7 +34,7 @@ MOST_INERTIA = 4.0  # of Fig. 10's axis, over the inertia of the bare part
 ON_FACE = 0.95  # of the misalignment at which the edge A1 leaves the bottom face
 TRACKED = ("centred", "pressed", "misaligned", "displaced")  # whose claims read trajectories
 REST_HORIZON, REST_TOLERANCE = 300.0, 1e-8  # what is not vibrated must be seen to come to rest
-_JUDGED = (
+_SCORED = (
     *(name for name, result in RESULTS.items() if result.stored and name != "tau_error"),
     "unvibrated", "unvibrated_tilt",
 )  # fmt: skip
@@ -97,13 +98,13 @@ class Space(Plan):
         return np.clip(np.log(given / low) / np.log(high / low), 0.0, 1.0)
 
     def grid(self, name: str) -> Grid:
-        """Return a grid by its name; "own" is the study's, with every second value of a map."""
+        """Return a grid by its name; "own" is the study's, with every third value of a map."""
         if name != "own":
             return self.problem.grids[name]
         counts = {}
         for each, dimensions in self.dimensions.items():
             axes = [axis for axis in dimensions if isinstance(axis, Axis)]
-            counts[each] = axes[0].count // len(axes) if axes else 1
+            counts[each] = axes[0].count // (3 if len(axes) == 2 else 1) if axes else 1
         return Grid(counts=counts, horizon=self.settings.horizon, tolerance=1e-8)
 
     def of_figure(self, figure: str, grid: Grid) -> tuple[str, ...]:
@@ -132,12 +133,12 @@ class Space(Plan):
         ]
         axes = sum(isinstance(each, Axis) for each in dimensions)
         return Sweep.model_construct(
-            figure=name,
+            name=name,
             kind="map" if axes == 2 else "curves" if axes else "history",
             parameters=parameters,
             settings=self.settings.model_copy(update=limits),
             dimensions=dimensions,
-            variables=(*_JUDGED, *(TRACK_QUANTITIES if name in TRACKED else ())),
+            variables=(*_SCORED, *(TRACK_QUANTITIES if name in TRACKED else ())),
         )
 
 

@@ -1,4 +1,4 @@
-"""Files of the search: the sets of a part, a set judged on the study's grids, and a summary."""
+"""Files of the search: the sets of a part, a set scored on the study's grids, and a summary."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -45,7 +45,7 @@ def read_found(space: Space, paths: Sequence[Path]) -> Found:
     return Found(np.array([point for _, point in rows]), np.array([short for short, _ in rows]))
 
 
-def judged_text(space: Space, choice: Choice, tables: Tables) -> str:
+def scored_text(space: Space, choice: Choice, tables: Tables) -> str:
     """Return a set with its claims and the regime of its figures, as JSON."""
     values = space.values(choice.point)
     figures = {
@@ -63,8 +63,8 @@ def judged_text(space: Space, choice: Choice, tables: Tables) -> str:
     )
 
 
-def read_judged(space: Space, paths: Sequence[Path]) -> Found:
-    """Return judged sets; one that misses a limit falls short by a claim more."""
+def read_scored(space: Space, paths: Sequence[Path]) -> Found:
+    """Return scored sets; one that misses a limit falls short by a claim more."""
     sets = [json.loads(path.read_text(encoding="utf-8")) for path in paths]
     return Found(
         np.array([space.point(each["values"]) for each in sets]),
@@ -74,13 +74,13 @@ def read_judged(space: Space, paths: Sequence[Path]) -> Found:
     )
 
 
-def _misses(space: Space, judged: Mapping[str, Any]) -> bool:
-    """Return whether a judged set misses a limit."""
-    return not meets_limits(space.problem, _numbers(judged))
+def _misses(space: Space, scored: Mapping[str, Any]) -> bool:
+    """Return whether a scored set misses a limit."""
+    return not meets_limits(space.problem, _numbers(scored))
 
 
 def summary_texts(space: Space, paths: Sequence[Path]) -> dict[str, str]:
-    """Return the tables of all judged sets, and the best one as it stands in the configuration.
+    """Return the tables of all scored sets, and the best one as it stands in the configuration.
 
     Sets that miss no limit come first. Beside the sets: what they say of each unknown and of each
     claim.
@@ -98,20 +98,20 @@ def summary_texts(space: Space, paths: Sequence[Path]) -> dict[str, str]:
     }
 
 
-def _numbers(judged: Mapping[str, Any]) -> dict[str, Numbers]:
+def _numbers(scored: Mapping[str, Any]) -> dict[str, Numbers]:
     return {
         figure: Numbers(*(found[name] for name in Numbers._fields))
-        for figure, found in judged["figures"].items()
+        for figure, found in scored["figures"].items()
     }
 
 
-def _row(space: Space, judged: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a judged set as a row: numbers over all figures, of some by figure, and its values."""
-    verdicts, figures = [*judged["claims"].values()], judged["figures"]
+def _row(space: Space, scored: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a scored set as a row: numbers over all figures, of some by figure, and its values."""
+    verdicts, figures = [*scored["claims"].values()], scored["figures"]
     resting = [each["not_resting"] for each in figures.values()]
     row = {
-        _SHORTFALL: judged[_SHORTFALL],
-        "meets_limits": not _misses(space, judged),
+        _SHORTFALL: scored[_SHORTFALL],
+        "meets_limits": not _misses(space, scored),
         **{name.replace(" ", "_"): verdicts.count(name) for name in VERDICTS},
         "not_resting": float(np.mean(resting)),
         "not_resting_most": max(resting),
@@ -119,7 +119,7 @@ def _row(space: Space, judged: Mapping[str, Any]) -> dict[str, Any]:
         "corners": min(each["corners"] for each in figures.values()),
         "aligned": min(each["aligned"] for each in figures.values()),
         **{f"{name}.aligned_mean": each["aligned_mean"] for name, each in figures.items()},
-        **judged["values"],
+        **scored["values"],
     }
     return {name: f"{value:.6g}" for name, value in row.items()}
 

@@ -1,0 +1,187 @@
+"""Amounts as text: a number with a unit and a tolerance, such as ``0.8 mm ± 0.1 mm``.
+
+A bare number is in SI units. ``±`` (or ``+-``) states the half-width of a uniform distribution,
+``σ`` (or ``sigma``) the standard deviation of a normal one. A tolerance in per cent is a share of
+the value. pint reads the units, ``spelling`` what pint does not know; frequencies may also be in
+revolutions or radians per time.
+"""
+
+import math
+import re
+from dataclasses import dataclass
+from functools import cache
+from typing import Any, Literal
+
+from model.device.spelling import NUMBER, clearer, ends_of, plain, spelled
+from model.physics.parameters import FIELDS
+
+_AMOUNT = re.compile(rf"\s*({NUMBER})\s*(.*?)\s*")
+_SPREAD = re.compile(r"\s*(±|\+/-|\+-|σ|sigma\b)\s*")
+_BRACKETS = re.compile(rf"\((.+)({_SPREAD.pattern}.+)\)(.*)")  # (12 ± 3) N
+_QUOTIENT = re.compile(rf"(.*?)/\s*({NUMBER})\s*(.*?)\s*")  # 0.05 mm / 6 mm
+_UNIT = re.compile(r"(?:1\s*/\s*)?[^\W\d_][^,]*|°.*|%")  # pint reads ", 1 N" as a unit, too
+SIGMAS = 3.0  # standard deviations that count as the end of a normal tolerance
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """Tolerance of one quantity.
+
+    Attributes:
+        kind: "uniform" within ± ``width``, or "normal" with the standard deviation ``width``.
+        width: >= 0, in SI units, or as a share of the value if ``relative``.
+        relative: True if the width is proportional to the value.
+    """
+
+    kind: Literal["uniform", "normal"]
+    width: float
+    relative: bool = False
+
+    def around(self, value: float) -> float:
+        """Return the width around ``value``, in SI units."""
+        return self.width * abs(value) if self.relative else self.width
+
+    def end(self, value: float) -> float:
+        """Return the deviation from ``value`` that counts as its end, in SI units."""
+        return self.around(value) * (1.0 if self.kind == "uniform" else SIGMAS)
+
+
+@dataclass(frozen=True)
+class Amount:
+    """A value in SI units, with its tolerance if one is stated."""
+
+    value: float
+    tolerance: Tolerance | None = None
+
+
+def read_amount(name: str, given: object, unit: str) -> Amount:
+    """Read the amount of the quantity ``name``, whose SI unit is ``unit``.
+
+    Raises:
+        ValueError: no number, an unknown unit, a unit of another quantity, or a tolerance < 0.
+    """
+    if given is None:
+        raise ValueError(f"{name} is not filled in: {_rule(unit)}")
+    if isinstance(given, (int, float)) and not isinstance(given, bool):
+        return Amount(float(given))
+    if not isinstance(given, str):
+        raise ValueError(f"{name} = {given!r}: {_rule(unit)}")  # noqa: TRY004  (of a file)
+    written = _BRACKETS.sub(r"\1\4\2\4", plain(given))
+    text, *spread = _SPREAD.split(written, maxsplit=1)
+    if not spread:
+        if ends_of(written):
+            raise ValueError(
+                f"{name} = {given!r}: is a range; state one value, or a value ± its tolerance "
+                "(ranges stand below free:)"
+            )
+        return Amount(_number(name, given, text, unit))
+    sign, width = spread
+    value, tolerance = _with_tolerance(name, given, text, sign, width, unit)
+    if not 0.0 <= tolerance.width < math.inf:
+        raise ValueError(f"{name} = {given!r}: the tolerance must be >= 0")
+    return Amount(value, tolerance if tolerance.width > 0.0 else None)
+
+
+def _with_tolerance(
+    name: str, given: str, text: str, sign: str, width: str, unit: str
+) -> tuple[float, Tolerance]:
+    """Return the value in ``text``, and the tolerance of this ``width`` around it."""
+    kind: Literal["uniform", "normal"] = "uniform" if sign in ("±", "+/-", "+-") else "normal"
+    if not width.strip().endswith("%") or "%" in text:
+        suffix = _unit_of(width)
+        value = _number(name, given, text if _unit_of(text) else f"{text} {suffix}", unit)
+        width = width if suffix else f"{width} {_unit_of(text)}"
+        return value, Tolerance(kind, _number(name, given, width, unit))
+    value, share = _number(name, given, text, unit), _number(name, given, width, "1")
+    if unit == "1" and 100.0 * share <= value:
+        raise ValueError(
+            f"{name} = {given!r}: is the value in per cent, too? Write {text.strip()} % {sign} "
+            f"{width.strip()}, or {text.strip()} {sign} {value * share:.4g}"
+        )
+    return value, Tolerance(kind, share, relative=True)
+
+
+def read_range(name: str, given: object, unit: str) -> tuple[float, float]:
+    """Read a range such as ``2 to 30 N`` or ``2–30 N``; the unit may stand at the second end only.
+
+    Raises:
+        ValueError: not two amounts, or the second not above the first.
+    """
+    ends = ends_of(plain(given)) if isinstance(given, str) else []
+    if not ends:
+        raise ValueError(f"{name} = {given!r}: must be a range such as 2 to 30 {unit}")
+    high = _number(name, given, ends[1], unit)
+    suffix = "" if _unit_of(ends[0]) else _unit_of(ends[1])
+    low = _number(name, given, f"{ends[0]} {suffix}", unit)
+    if not low < high:
+        raise ValueError(f"{name} = {given!r}: must rise from the first value to the second")
+    return low, high
+
+
+def _rule(unit: str) -> str:
+    units = "" if unit == "1" else f" in {unit}, or with a unit"
+    return f"must be a number{units}"
+
+
+def _meaning(name: str) -> str:
+    of = ", of the radii of hole and part" if name == "clearance" else ""
+    return f"; it is the {FIELDS[name].description}{of}" if name in FIELDS else ""
+
+
+def _unit_of(text: str) -> str:
+    match = _AMOUNT.fullmatch(text)
+    return match[2] if match else ""
+
+
+def _number(name: str, given: Any, text: str, unit: str) -> float:
+    """Return the value of ``text``, a number with or without a unit, in ``unit``.
+
+    The message of a refusal quotes ``given``, the whole text of which this is a part.
+    """
+    match = _AMOUNT.fullmatch(text)
+    if match is None:
+        raise ValueError(f"{name} = {given!r}: {_rule(unit)}")
+    value, own = float(match[1]), match[2]
+    if instead := clearer(text):
+        raise ValueError(f"{name} = {given!r}: write {instead}")
+    if re.search(r"\+\s*\d", own):
+        raise ValueError(
+            f"{name} = {given!r}: a tolerance is symmetric: write the middle of the limits ± half "
+            "their distance"
+        )
+    if unit == "1" and (two := _QUOTIENT.fullmatch(text)) and float(two[2]):
+        ratio = _number(name, given, two[1], two[3] or "1") / float(two[2])
+        raise ValueError(
+            f"{name} = {given!r}: write the ratio, {ratio:.4g} or {100.0 * ratio:.4g} %"
+            f"{_meaning(name)}"
+        )
+    if own and not _UNIT.fullmatch(own):
+        raise ValueError(f"{name} = {given!r}: unknown unit {own!r}; {_rule(unit)}")
+    return value if own in ("", unit) else value * _factor(name, given, own, unit)
+
+
+def _factor(name: str, given: Any, own: str, unit: str) -> float:
+    """Return the size of the unit ``own`` in the SI unit ``unit``."""
+    import pint  # noqa: PLC0415  (a third of a second, for files with units only)
+
+    registry = _registry()
+    try:
+        one = registry.Quantity(1.0, registry.parse_units(spelled(own, unit)))
+        # For pint a cycle is an angle of 2π; a frequency counts it as 1.
+        turning = unit == "Hz" and "radian" in one.to_root_units().units._units
+        return float(one.to("" if unit == "1" else unit).magnitude) / (
+            2.0 * math.pi if turning else 1.0
+        )
+    except pint.DimensionalityError:
+        hint = "a ratio, without a unit or in %" if unit == "1" else f"in {unit} or alike"
+        words = f"must be {hint}, not in {own}{_meaning(name)}"
+        raise ValueError(f"{name} = {given!r}: {words}") from None
+    except Exception:  # noqa: BLE001  (on a malformed unit pint raises errors of many kinds)
+        raise ValueError(f"{name} = {given!r}: unknown unit {own!r}; {_rule(unit)}") from None
+
+
+@cache
+def _registry() -> Any:
+    import pint  # noqa: PLC0415  (as in _factor)
+
+    return pint.UnitRegistry()

@@ -1,0 +1,292 @@
+"""Design: choose the free quantities of a device within their ranges and limits.
+
+A *setting* gives each free quantity a value, with the digits that are printed. It is tried by
+devices within the tolerances around it (design_trials.py). Its *yield* is the share of devices that
+go in from every start. Its *margin* is the distance, in tolerances, of the nearest failing device
+on ``POINTS`` lines from the setting, at most ``FARTHEST``. The best setting has the largest yield,
+keeps the limits, has the largest margin in steps of ``MARGIN_STEP``, and is then the fastest.
+Differential evolution (scipy) seeks it by quick trials. The best settings are then checked as
+``assess`` does, until one holds. The search is seeded.
+"""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import optimize, stats
+
+from model.device import StatedDevice, Tolerance
+from model.device.design_trials import MEASURES, Check, Row, Trials
+from model.device.reliability import Floats
+from model.device.yields import interval
+
+MARGIN_STEP = 0.25
+DIGITS = 4  # of the values of a setting, as they are printed
+CHECKS = 24  # most settings that are checked
+ASSUMED = Tolerance("uniform", 0.1, relative=True)  # for a device that states no tolerance
+ASSUMED_OF = ("press_force", "tilt_stiffness", "frequency", "friction", "misalignment", "clearance")
+_GROWING = slice(2, 5)  # time, force and tilt in the results of a setting
+NEARBY = 0.2  # of the ranges: settings that near a failure are checked last
+NEAR = 0.05  # share of a limit or range within which it binds
+
+Setting = tuple[float, ...]
+"""Values of the free quantities in SI units, in the order of the device's file."""
+
+
+@dataclass(frozen=True)
+class Tried:
+    """Results of settings, in SI units.
+
+    Attributes:
+        settings: values of the free quantities, each of shape (n,).
+        share: share of the devices within the tolerances that go in from every start, shape (n,).
+        margin: distance of the nearest failing device, in tolerances, shape (n,).
+        measures: by the names of ``MEASURES``, shape (n,): longest time until alignment (of the
+            runs that go in), largest contact force and largest tilt within the tolerances, and the
+            share of devices that do not align without vibration (NaN if no limit asks for it).
+    """
+
+    settings: Mapping[str, Floats]
+    share: Floats
+    margin: Floats
+    measures: Mapping[str, Floats]
+
+    def excess(self, limits: Mapping[str, float]) -> Floats:
+        """Return the largest relative excess over a limit, <= 0 where all are kept."""
+        if not limits:
+            return np.full(self.share.size, -1.0)
+        excesses = [
+            np.abs(self.measures[name] - limit)
+            if name == "vibration"
+            else self.measures[name] / limit - 1.0
+            for name, limit in limits.items()
+        ]
+        return np.nan_to_num(np.max(excesses, axis=0), nan=9.0)
+
+    def keeps(self, limits: Mapping[str, float]) -> NDArray[np.bool_]:
+        """Return where every device goes in and all limits are kept."""
+        return (self.share == 1.0) & (self.excess(limits) <= 0.0)
+
+    def score(self, limits: Mapping[str, float]) -> Floats:
+        """Return a number to minimise over the settings: < 0 where they keep the limits."""
+        excess = np.clip(self.excess(limits), 0.0, 9.0)
+        steps = np.floor(self.margin / MARGIN_STEP) * MARGIN_STEP
+        time = np.nan_to_num(self.measures["time"], nan=np.inf)
+        speed = 1.0 / (1.0 + time)  # between 0 and 1: decides between equal margins
+        kept = -1.0 - steps - MARGIN_STEP * speed
+        return np.where(self.keeps(limits), kept, 10.0 * (1.0 - self.share) + excess)
+
+
+@dataclass(frozen=True)
+class Design:
+    """Result of a search.
+
+    Attributes:
+        tried: every setting, in the order in which they were computed; a check's results stand in
+            place of those of the quick trial.
+        best: number of the recommended setting.
+        limits: limits of the search.
+        checks: results of the settings that were checked, by their numbers.
+    """
+
+    tried: Tried
+    best: int
+    limits: Mapping[str, float]
+    checks: Mapping[int, Check]
+
+    @property
+    def check(self) -> Check | None:
+        """Check of the recommended setting, None if it was not checked."""
+        return self.checks.get(self.best)
+
+    @property
+    def setting(self) -> dict[str, float]:
+        """The recommended setting, SI units."""
+        return {name: float(values[self.best]) for name, values in self.tried.settings.items()}
+
+    @property
+    def feasible(self) -> bool:
+        """True if every device goes in at the recommended setting and the limits are kept."""
+        return bool(self.tried.keeps(self.limits)[self.best])
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """Interval of the yield, of 95 % confidence; (0, 1) if no device was drawn."""
+        if self.check is None or not self.check.devices:
+            return 0.0, 1.0
+        return interval(self.check.going_in, self.check.devices)
+
+    @property
+    def front(self) -> NDArray[np.int64]:
+        """Numbers of the settings on the Pareto front of time and margin, fastest first."""
+        order = np.lexsort((-self.tried.margin, self.tried.measures["time"]))
+        front, margin = [], -1.0
+        for i in order[self.tried.keeps(self.limits)[order]]:
+            if self.tried.margin[i] > margin:
+                front.append(int(i))
+                margin = float(self.tried.margin[i])
+        return np.array(front, dtype=np.int64)
+
+    def binding(self, free: Mapping[str, tuple[float, float]]) -> list[str]:
+        """Return the limits, and ends of ranges, that the recommended setting is ``NEAR`` to."""
+        binding = [
+            f"limit of {name}"
+            for name, limit in self.limits.items()
+            if name != "vibration" and self.tried.measures[name][self.best] > (1.0 - NEAR) * limit
+        ]
+        for name, (low, high) in free.items():
+            value, near = self.setting[name], NEAR * (high - low)
+            if value < low + near:
+                binding.append(f"lower end of {name}")
+            if value > high - near:
+                binding.append(f"upper end of {name}")
+        return binding
+
+    def to_relax(self) -> dict[str, float]:
+        """Return by name the least value of a limit that some setting keeps with all others."""
+        least = {}
+        for name in self.limits:
+            others = {other: limit for other, limit in self.limits.items() if other != name}
+            kept = self.tried.keeps(others)
+            if kept.any():
+                least[name] = float(self.tried.measures[name][kept].min())
+        return least
+
+
+def with_tolerances(stated: StatedDevice) -> StatedDevice:
+    """Return a device with ``ASSUMED`` tolerances if it states none.
+
+    Raises:
+        ValueError: nothing is free.
+    """
+    if not stated.free:
+        raise ValueError(
+            f"{stated.source}: nothing is free; state, for example, "
+            "free: {press_force: 5 to 20 N}"
+        )
+    if stated.tolerances:
+        return stated
+    return replace(stated, tolerances={n: ASSUMED for n in ASSUMED_OF if n in stated.quantities})
+
+
+def search(
+    trials: Trials,
+    generations: int,
+    population: int,
+    after: Callable[[int, int], None] = lambda *_: None,
+) -> Design:
+    """Search for the best setting of a device.
+
+    Args:
+        trials: trials of its settings; their seed is also that of the optimiser.
+        generations: of differential evolution.
+        population: settings a generation.
+        after: called after each generation with its number and the number of settings tried.
+    """
+    free, limits = trials.stated.free, trials.stated.limits
+    low, high = np.array(list(free.values())).T
+    known: dict[Setting, Row] = {}
+    done = 0
+
+    def score(points: Floats) -> Floats:
+        keys = [rounded(point, free) for point in np.atleast_2d(points.T).tolist()]
+        new = [key for key in dict.fromkeys(keys) if key not in known]
+        if new:
+            known.update(zip(new, trials.quick(np.array(new)), strict=True))
+        return tried_of(keys, [known[key] for key in keys], free).score(limits)
+
+    def report(intermediate_result: Any) -> None:  # noqa: ARG001 - by its name, for scipy
+        nonlocal done
+        done += 1
+        after(done, len(known))
+
+    first = stats.qmc.LatinHypercube(len(low), rng=np.random.default_rng(trials.seed))
+    optimize.differential_evolution(
+        score,
+        list(free.values()),
+        init=low + first.random(population) * (high - low),
+        maxiter=generations,
+        rng=np.random.default_rng(trials.seed),
+        vectorized=True,
+        updating="deferred",
+        polish=False,
+        tol=0.0,
+        callback=report,
+    )
+    return _checked(trials, known)
+
+
+def _checked(trials: Trials, known: Mapping[Setting, Row]) -> Design:
+    """Check the best settings until one holds; return the design.
+
+    If none holds, the design is the checked setting that fails least.
+    """
+    free, limits = trials.stated.free, trials.stated.limits
+    keys, quick, checks = list(known), np.array(list(known.values())), dict[int, Check]()
+    accepted = tried_of(keys, quick, free).keeps(limits)
+    while True:
+        rows = _expected(keys, quick, checks, free)
+        design = Design(tried_of(keys, rows, free), 0, limits, checks)
+        score, numbers = design.tried.score(limits), list(checks)
+        open_ones = np.setdiff1d(np.flatnonzero(accepted), numbers)
+        if numbers and (score[numbers].min() < 0.0 or not open_ones.size or len(numbers) == CHECKS):
+            return replace(design, best=numbers[int(np.argmin(score[numbers]))])
+        among = open_ones if open_ones.size else np.arange(len(keys))
+        design = replace(design, best=int(among[np.argmin(score[among])]))
+        checks[design.best] = trials.check(design.setting)
+
+
+def _expected(
+    keys: Sequence[Setting],
+    quick: Floats,
+    checks: Mapping[int, Check],
+    free: Mapping[str, tuple[float, float]],
+) -> Floats:
+    """Return the results of settings: of the check, or expected from those of the quick trial.
+
+    Times, forces and tilts grow from the quick trial to the check as at the nearest checked
+    setting; near one at which devices fail as large a share fails.
+    """
+    if not checks:
+        return quick
+    rows, numbers, found = quick.copy(), list(checks), np.array([c.row for c in checks.values()])
+    low, high = np.array(list(free.values())).T
+    places = (np.array(keys) - low) / (high - low)
+    apart = np.linalg.norm(places[:, None] - places[numbers], axis=2)
+    nearest = apart.argmin(axis=1)
+    growth = found[:, _GROWING] / quick[numbers, _GROWING]
+    rows[:, _GROWING] *= np.nan_to_num(growth, nan=1.0)[nearest]
+    near = apart.min(axis=1) < NEARBY
+    rows[near, 0] = np.minimum(rows[near, 0], found[nearest[near], 0])
+    rows[numbers] = found
+    return rows
+
+
+def tried_of(keys: Sequence[Setting], rows: Any, free: Mapping[str, Any]) -> Tried:
+    """Return the results of settings as columns."""
+    columns, settings = np.array(rows, dtype=np.float64).T, np.array(keys).T
+    return Tried(
+        dict(zip(free, settings, strict=True)),
+        columns[0],
+        columns[1],
+        dict(zip(MEASURES, columns[2:], strict=True)),
+    )
+
+
+def rounded(point: list[float], free: Mapping[str, tuple[float, float]]) -> Setting:
+    """Return a setting with the digits that are printed."""
+    return tuple(as_printed(v, *ends) for v, ends in zip(point, free.values(), strict=True))
+
+
+def as_printed(value: float, low: float, high: float) -> float:
+    """Return a value > 0 with ``DIGITS`` digits, within its range if that holds such a value."""
+    digits = float(f"{value:.{DIGITS}g}")
+    step = 10.0 ** (math.floor(math.log10(abs(digits))) - DIGITS + 1) if digits else 0.0
+    if digits > high:
+        digits -= step
+    elif digits < low:
+        digits += step
+    return float(f"{digits:.{DIGITS}g}")

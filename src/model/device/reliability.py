@@ -1,0 +1,143 @@
+"""Reliability of devices, for all commands: does a device go in (or align) from every start?
+
+Phase and tilt at touch-down cannot be controlled: a *reliable* device goes in from every start
+(sweeps/starts.py). A device is dimensionless, or as its file states it; its values are then in SI
+units, and change as ``--set`` changes them.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from model.device import StatedDevice
+from model.device.batches import Values, by_settings, devices_of, rows_of
+from model.device.stated import QUANTITIES
+from model.events.insertion import INSERTION
+from model.physics.parameters import PARAMETER_NAMES, Parameters, check_name
+from model.physics.units import Units
+from model.runs.settings import Settings
+from model.sweeps.settings import Ensemble
+from model.sweeps.starts import Starts, every_start, starts_of
+
+Floats = NDArray[np.float64]
+STATISTICAL_TOLERANCE = 1e-6  # local error of a step; yields are the same as at 1e-10
+_FEW = 12  # every twelfth start is tried first: most failing devices fail from many starts
+
+
+@dataclass(frozen=True)
+class DeviceResults:
+    """Results of n devices from every start, in SI units.
+
+    Attributes:
+        values: quantities that differ between the devices, each of shape (n,).
+        goes_in: True if the part goes in from every start, shape (n,).
+        time: longest alignment time in s, NaN where it goes in from no start, shape (n,).
+        times: alignment times in s, NaN where it does not go in, shape (n, starts).
+        force: largest contact force in N, shape (n,).
+        tilt: largest tilt in rad, shape (n,).
+        failing: index of the first start that fails, -1 if none does, shape (n,).
+    """
+
+    values: Values
+    goes_in: NDArray[np.bool_]
+    time: Floats
+    times: Floats
+    force: Floats
+    tilt: Floats
+    failing: NDArray[np.int64]
+
+
+def from_every_start(
+    device: Parameters | StatedDevice,
+    values: Values,
+    starts: Starts,
+    settings: Settings,
+    cores: int = 1,
+) -> tuple[dict[str, NDArray[Any]], list[Units]]:
+    """Return ``every_start`` of devices with these values, and the units of those in SI units."""
+    devices, units = devices_of(device, values)
+    if isinstance(device, Parameters):
+        return every_start(devices, starts, settings, cores), units
+    results: dict[str, NDArray[Any]] = {}
+    for own, rows in by_settings(device, settings, units).items():
+        for name, column in every_start(rows_of(devices, rows), starts, own, cores).items():
+            whole = results.setdefault(name, np.empty((len(devices), len(starts)), column.dtype))
+            whole[rows] = column
+    return results, units
+
+
+def run_devices(
+    stated: StatedDevice, values: Values, starts: Starts, settings: Settings, cores: int = 1
+) -> DeviceResults:
+    """Run devices with these quantities (SI units, each of shape (n,)) from every start."""
+    results, units = from_every_start(stated, values, starts, settings, cores)
+    goes_in = results["goes_in"]
+    times = np.where(goes_in, results["tau_align"], np.nan)
+    times = times * np.array([[each.time] for each in units])
+    return DeviceResults(
+        values=values,
+        goes_in=np.logical_and.reduce(goes_in, axis=1),
+        time=np.fmax.reduce(times, axis=1),
+        times=times,
+        force=np.array([each.force for each in units]) * results["contact_force_max"].max(axis=1),
+        tilt=results["tilt_max"].max(axis=1),
+        failing=np.where(goes_in.all(axis=1), -1, np.argmin(goes_in, axis=1)),
+    )
+
+
+def are_reliable(
+    device: Parameters | StatedDevice,
+    values: Values,
+    starts: Starts,
+    settings: Settings,
+    cores: int = 1,
+) -> NDArray[np.bool_]:
+    """Return a mask of the devices that go in from all starts, shape (n,).
+
+    Most starts are tried only where a few of them succeed.
+    """
+
+    def succeed(values: Values, starts: Starts) -> NDArray[np.bool_]:
+        results, _ = from_every_start(device, values, starts, settings.quickest, cores)
+        return np.logical_and.reduce(results["goes_in"], axis=1)
+
+    reliable = succeed(values, starts[::_FEW])
+    left = np.flatnonzero(reliable)
+    others = [start for i, start in enumerate(starts) if i % _FEW]
+    if left.size and others:
+        reliable[left] = succeed({name: each[left] for name, each in values.items()}, others)
+    return reliable
+
+
+def reliable_at(
+    device: Parameters | StatedDevice,
+    settings: Settings | None = None,
+    *,
+    cores: int = 1,
+    **quantities: ArrayLike,
+) -> NDArray[np.bool_]:
+    """Return where a device goes in from every start, shape (n,), as ``assess`` says.
+
+    Args:
+        device: as ``load_device`` returns it, or dimensionless parameters.
+        settings: settings of the runs; None for the defaults, in the insertion scene.
+        cores: number of threads.
+        **quantities: what varies together, each of shape (n,), such as
+            ``press_force=[8.0, 10.0, 12.0]``; in SI units for a device of ``load_device``.
+
+    Raises:
+        ValueError: an unknown quantity, shapes that differ, or a value outside its rule.
+    """
+    values = {n: np.atleast_1d(np.asarray(v, dtype=np.float64)) for n, v in quantities.items()}
+    if len({each.shape for each in values.values()}) > 1:
+        shapes = ", ".join(f"{name}: {each.size}" for name, each in values.items())
+        raise ValueError(f"quantities must have one common length, got {shapes}")
+    stated = isinstance(device, StatedDevice)
+    for name in quantities:
+        check_name(name, QUANTITIES if stated else PARAMETER_NAMES, "quantity of a device")
+    parameters = device.parameters if isinstance(device, StatedDevice) else device
+    values = values or {"friction": np.array([parameters.friction])}
+    settings = settings or Settings(scene=INSERTION)
+    return are_reliable(device, values, starts_of(parameters, Ensemble()), settings, cores)

@@ -1,0 +1,251 @@
+"""Yield of a device with tolerances: the share of devices that go in from every start.
+
+Devices are drawn as scrambled Sobol' points through the inverse of each quantity's distribution.
+The interval of the share is Wilson's for independent draws, wider than that of Sobol' points.
+Sobol' indices say how much of the variance of failure and of time is due to which tolerance.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy import stats
+
+from model.device import StatedDevice, Tolerance
+from model.device.reliability import DeviceResults, Floats, run_devices
+from model.physics.parameters import FIELDS
+from model.runs.settings import Settings
+from model.sweeps.starts import Starts
+
+CONFIDENCE = 0.95
+QUANTILES = (0.05, 0.5, 0.95)
+DEVICES = 4096  # a power of two
+INDEX_POINTS = 256  # points of the Sobol' indices, a power of two
+INDEX_STARTS = 4  # the indices take every fourth start
+
+
+@dataclass(frozen=True)
+class SobolIndices:
+    """Sobol' indices of one quantity, of first order and total: of failure, and of time.
+
+    NaN where there is no variance: no device fails, or all do.
+    """
+
+    quantity: str
+    failure: float
+    failure_total: float
+    time: float
+    time_total: float
+
+
+@dataclass(frozen=True)
+class Yield:
+    """Yield of a device with tolerances; SI units.
+
+    Attributes:
+        devices: number of devices drawn.
+        going_in: number of devices that go in from every start.
+        low, high: interval of the share.
+        time: 5, 50 and 95 % quantiles of the alignment time over devices and starts.
+        force: 5, 50 and 95 % quantiles of the largest contact force over devices.
+        runs: number of runs.
+        sobol_indices: of every quantity with a tolerance, the largest total index of failure first;
+            empty if no device goes in.
+        confidence: level of confidence of the interval.
+    """
+
+    devices: int
+    going_in: int
+    low: float
+    high: float
+    time: tuple[float, float, float]
+    force: tuple[float, float, float]
+    runs: int
+    sobol_indices: tuple[SobolIndices, ...]
+    confidence: float = CONFIDENCE
+
+    @property
+    def share(self) -> float:
+        """Share of the devices that go in from every start."""
+        return self.going_in / self.devices
+
+
+@dataclass(frozen=True)
+class FailingDevice:
+    """Drawn device that fails.
+
+    Attributes:
+        quantities: values of the quantities with tolerances, in SI units.
+        distance: largest deviation from the stated values, in tolerances; 1 is the end of a uniform
+            tolerance, and three standard deviations of a normal one.
+        start: phase and tilt at touch-down of a failing run.
+    """
+
+    quantities: Mapping[str, float]
+    distance: float
+    start: Mapping[str, float]
+
+
+def distribution(name: str, value: float, tolerance: Tolerance) -> Any:
+    """Return the scipy distribution of a quantity in SI units, cut off at its admissible values."""
+    bound = FIELDS[name].bound if name in FIELDS else "> 0"
+    least = {"> 0": 1e-6 * abs(value), ">= 0": 0.0, "": -math.inf}[bound]
+    most = 1.0 if name == "restitution" else math.inf
+    width = tolerance.around(value)
+    if tolerance.kind == "uniform":
+        low, high = max(value - width, least), min(value + width, most)
+        return stats.uniform(low, high - low)
+    ends = (least - value) / width, (most - value) / width
+    return stats.truncnorm(*ends, loc=value, scale=width)
+
+
+def from_unit_cube(stated: StatedDevice, points: Floats) -> dict[str, Floats]:
+    """Return the quantities with tolerances at ``points`` of the unit cube, shape (n, d)."""
+    return {
+        name: np.asarray(distribution(name, stated.quantities[name], tolerance).ppf(column))
+        for (name, tolerance), column in zip(stated.tolerances.items(), points.T, strict=True)
+    }
+
+
+def drawn(stated: StatedDevice, count: int, seed: int = 0) -> dict[str, Floats]:
+    """Return quantities of ``count`` devices, a power of two, drawn as scrambled Sobol' points."""
+    points = stats.qmc.Sobol(len(stated.tolerances), rng=np.random.default_rng(seed)).random(count)
+    return from_unit_cube(stated, points)
+
+
+def check_devices(count: float) -> int:
+    """Return a number of devices as an integer.
+
+    Raises:
+        ValueError: it is no power of two, which Sobol' points need.
+    """
+    if count != int(count) or count < 2 or int(count) & (int(count) - 1):
+        raise ValueError(f"devices = {count:g}: must be a power of two, 2 or more")
+    return int(count)
+
+
+def yield_of(
+    stated: StatedDevice,
+    starts: Starts,
+    settings: Settings,
+    cores: int = 1,
+    *,
+    devices: int = DEVICES,
+    seed: int = 0,
+    indices: bool = True,
+) -> tuple[Yield, DeviceResults]:
+    """Return the yield of a device with tolerances, and the results of the drawn devices.
+
+    Without ``indices`` no Sobol' indices are computed.
+
+    Raises:
+        ValueError: a device without tolerances, or a number that is no power of two.
+    """
+    if not stated.tolerances:
+        raise ValueError(f"{stated.source}: no quantity has a tolerance, such as 10 N ± 5 %")
+    check_devices(devices)
+    results = run_devices(stated, drawn(stated, devices, seed), starts, settings, cores)
+    going_in, runs = int(results.goes_in.sum()), devices * len(starts)
+    low, high = interval(going_in, devices)
+    sobol: tuple[SobolIndices, ...] = ()
+    if indices and going_in:
+        some = starts[::INDEX_STARTS]
+        sobol = sobol_indices_of(stated, some, settings, cores, seed=seed)
+        runs += INDEX_POINTS * (len(stated.tolerances) + 2) * len(some)
+    result = Yield(
+        devices=devices,
+        going_in=going_in,
+        low=low,
+        high=high,
+        time=_quantiles(results.times.ravel()),
+        force=_quantiles(results.force),
+        runs=runs,
+        sobol_indices=sobol,
+    )
+    return result, results
+
+
+def nearest_failing(
+    stated: StatedDevice, results: DeviceResults, starts: Starts
+) -> FailingDevice | None:
+    """Return the failing device that is nearest to the stated values, None if none fails."""
+    distance = np.stack([
+        np.abs(results.values[name] - stated.quantities[name]) / each.end(stated.quantities[name])
+        for name, each in stated.tolerances.items()
+    ]).max(axis=0)  # fmt: skip
+    nearest = int(np.argmin(np.where(results.goes_in, np.inf, distance)))
+    if results.goes_in[nearest]:
+        return None
+    values = {name: float(column[nearest]) for name, column in results.values.items()}
+    start = dict(starts[results.failing[nearest]])
+    return FailingDevice(values, float(distance[nearest]), start)
+
+
+def interval(successes: int, count: int) -> tuple[float, float]:
+    """Return Wilson's interval of a share, of 95 % confidence."""
+    ends = stats.binomtest(successes, count).proportion_ci(CONFIDENCE, method="wilson")
+    return float(ends.low), float(ends.high)
+
+
+def sobol_indices_of(
+    stated: StatedDevice, starts: Starts, settings: Settings, cores: int = 1, *, seed: int = 0
+) -> tuple[SobolIndices, ...]:
+    """Return the indices of every quantity with a tolerance, the largest total of failure first.
+
+    Failure is 1 or 0 for a device. Devices that do not go in are given the mean time of the others,
+    so that they have no part in the variance of the time.
+    """
+    names = list(stated.tolerances)
+    size = len(names)
+    points = sobol_cubes(size, INDEX_POINTS, seed).reshape(-1, size)
+    results = run_devices(stated, from_unit_cube(stated, points), starts, settings, cores)
+    known = np.isfinite(results.time)
+    usual = float(results.time[known].mean()) if known.any() else 0.0
+    time: Floats = np.where(known, results.time, usual)
+    columns = [
+        column
+        for values in (np.where(results.goes_in, 0.0, 1.0), time)
+        for column in sobol_indices(values.reshape(size + 2, INDEX_POINTS))
+    ]
+    indices = [
+        SobolIndices(name, *(float(column[i]) for column in columns))
+        for i, name in enumerate(names)
+    ]
+
+    def largest_first(each: SobolIndices) -> tuple[float, float]:
+        return -np.nan_to_num(each.failure_total), -np.nan_to_num(each.time_total)
+
+    return tuple(sorted(indices, key=largest_first))
+
+
+def sobol_cubes(size: int, count: int, seed: int) -> Floats:
+    """Return the points of Saltelli's scheme A, B, AB_1, …, AB_d, shape (d + 2, count, d)."""
+    both = stats.qmc.Sobol(2 * size, rng=np.random.default_rng(seed)).random(count)
+    a, b = both[:, :size], both[:, size:]
+    mixed = [np.where(np.arange(size) == i, b, a) for i in range(size)]
+    return np.stack([a, b, *mixed])
+
+
+def sobol_indices(f: Floats) -> tuple[Floats, Floats]:
+    """Return first-order and total Sobol' indices, shape (d,) each, NaN without variance.
+
+    ``f``, shape (d + 2, n), holds the values of a function on ``sobol_cubes``.
+    """
+    if np.ptp(f[:2]) == 0.0:
+        unknown = np.full(len(f) - 2, np.nan)
+        return unknown, unknown
+    if len(f) == 3:  # one quantity, which scipy refuses
+        return np.ones(1), np.ones(1)
+    values = {"f_A": f[None, 0], "f_B": f[None, 1], "f_AB": f[2:, None]}
+    indices = stats.sobol_indices(func=values, n=f.shape[1])
+    return np.asarray(indices.first_order).ravel(), np.asarray(indices.total_order).ravel()
+
+
+def _quantiles(values: Floats) -> tuple[float, float, float]:
+    finite = values[np.isfinite(values)]
+    if not finite.size:
+        return math.nan, math.nan, math.nan
+    low, middle, high = np.quantile(finite, QUANTILES)
+    return float(low), float(middle), float(high)

@@ -1,0 +1,1 @@
+"""Runs over grids of parameters: axes, settings, starts, sweeps, their datasets and their files."""

@@ -1,0 +1,175 @@
+"""Designs: settings tried by devices around them, and checked as assess does; a full grid."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from model import Settings
+from model.device import design as designs
+from model.device import design_trials, load_device
+from model.device.design import as_printed, search, tried_of, with_tolerances
+from model.device.design_trials import FARTHEST, Trials
+from model.device.reliability import DeviceResults
+from model.events.outcomes import Unvibrated
+from model.runs.unvibrated import UnvibratedEnds
+
+PEG = Path(__file__).resolve().parents[2] / "docs" / "peg.yaml"
+COARSE = Settings(horizon=60.0, tolerance=1e-6)
+STARTS = [{"phase": phase, "initial_tilt": 0.001} for phase in (0.0, 2.0, 4.0)]
+FREE = {"press_force": (4.0, 24.0), "tilt_stiffness": (0.1, 0.9)}
+
+
+def trials(limits=None):
+    stated = load_device(PEG, {"contact_stiffness": 3e5, "friction": "0.15 ± 0.05"})
+    return Trials(replace(stated, free=FREE, limits=limits or {}), STARTS, COARSE, devices=64)
+
+
+def tried(of: Trials, points):
+    return tried_of(points, of.quick(np.array(points)), FREE)
+
+
+def oracle(monkeypatch, fails=lambda force, friction: friction >= 0.1 + force / 100.0):
+    """Devices go in below a friction of 0.1 + f0/100; time 1/f0, force 2 f0; the calls' sizes."""
+    calls = []
+
+    def run(_, values, *_settings):
+        force, friction = values["press_force"], values["friction"]
+        calls.append(force.size)
+        goes_in = ~fails(force, friction)
+        time = np.where(goes_in, 1.0 / force, np.nan)
+        nothing = np.where(goes_in, -1, 0)
+        return DeviceResults(
+            values, goes_in, time, time[:, None], 2.0 * force, 0.1 * force, nothing
+        )
+
+    monkeypatch.setattr(design_trials, "run_devices", run)
+    monkeypatch.setattr(design_trials, "are_reliable", lambda _, v, *__: run(None, v).goes_in)
+    return calls
+
+
+def test_share_margin_and_measures_are_those_of_the_devices_around(monkeypatch):
+    oracle(monkeypatch)
+    found = tried(trials(), [[24.0, 0.5], [9.0, 0.5], [4.0, 0.5]])
+    # friction 0.15 ± 0.05: fails from 0.34, 0.19 and 0.14 on, 3.8, 0.8 and -0.2 tolerances off
+    assert found.margin[0] == FARTHEST
+    assert 0.7 <= found.margin[1] <= 1.0
+    assert found.share[0] == 1.0
+    assert found.share[1] == pytest.approx(0.9, abs=0.07)
+    assert found.margin[2] == 0.0
+    assert found.measures["time"] == pytest.approx(1.0 / np.array([24.0, 9.0, 4.0]))
+
+
+def test_a_margin_is_known_to_an_eighth_of_a_tolerance(monkeypatch):
+    oracle(monkeypatch)
+    one = trials()
+    friction = {"friction": one.stated.tolerances["friction"]}
+    one = replace(one, stated=replace(one.stated, tolerances=friction))
+    forces = np.array([[6.0, 0.5], [8.0, 0.5], [11.0, 0.5], [14.0, 0.5], [18.0, 0.5]])
+    exact = (0.1 + forces[:, 0] / 100.0 - 0.15) / 0.05
+    margin = tried(one, forces).margin
+    assert (margin >= exact).all()
+    assert (margin <= exact + 0.125).all()
+
+
+def test_vibration_may_be_asked_for_or_not(monkeypatch, tmp_path):
+    oracle(monkeypatch)
+
+    def controls(batch, *_):  # a dimensionless press force of 4 is one of 12 N
+        aligns = batch.values["press_force"] > 4.0
+        return UnvibratedEnds(np.where(aligns, Unvibrated.ALIGNS, Unvibrated.RESTS), None)
+
+    monkeypatch.setattr(design_trials, "unvibrated", controls)
+    needed, not_needed = (
+        search(trials({"vibration": share, "contact_force": 40.0}), 8, 12) for share in (1.0, 0.0)
+    )
+    assert needed.feasible
+    assert not_needed.feasible
+    assert needed.setting["press_force"] < 12.0 < not_needed.setting["press_force"]
+    none = search(trials({"vibration": 0.0, "contact_force": 20.0}), 4, 12)
+    assert not none.feasible
+    assert set(none.to_relax()) == {"vibration", "contact_force"}
+    text = PEG.read_text() + "limits: {vibration: needed}\n"
+    (tmp_path / "peg.yaml").write_text(text)
+    assert load_device(tmp_path / "peg.yaml").limits == {"vibration": 1.0}
+    (tmp_path / "peg.yaml").write_text(text.replace("needed", "often"))
+    with pytest.raises(ValueError, match="vibration = 'often': must be needed or not needed"):
+        load_device(tmp_path / "peg.yaml")
+
+
+def test_the_best_setting_has_the_largest_margin_and_keeps_the_limits(monkeypatch):
+    oracle(monkeypatch)
+    best = search(trials({"contact_force": 40.0}), 8, 12)
+    assert best.feasible
+    assert best.setting["press_force"] == pytest.approx(20.0, abs=1.0)  # 2 f0 = 40
+    assert best.binding(FREE) == ["limit of contact_force"]
+    times = best.tried.measures["time"][best.front]
+    assert (np.diff(times) > 0.0).all()
+    assert (np.diff(best.tried.margin[best.front]) > 0.0).all()
+
+
+def test_a_limit_that_none_keeps_is_named_with_what_it_would_take(monkeypatch):
+    oracle(monkeypatch)
+    best = search(trials({"time": 0.08, "contact_force": 22.0}), 8, 12)
+    assert not best.feasible
+    relaxed = best.to_relax()  # time <= 0.08 asks for f0 >= 12.5, and a force of 25
+    assert relaxed["contact_force"] == pytest.approx(25.0, rel=0.1)
+    assert relaxed["time"] == pytest.approx(1.0 / 11.0, rel=0.1)  # at f0 = 11
+
+
+def test_a_setting_that_the_quick_trial_takes_and_assess_does_not_is_not_recommended(monkeypatch):
+    def fails(force, friction):  # between the quick trial's devices, above 10 N
+        return (force > 10.0) & (friction > 0.152) & (friction < 0.1545)
+
+    oracle(monkeypatch, fails)
+    one = trials({"contact_force": 40.0})
+    assert tried(one, [[20.0, 0.5], [9.0, 0.5]]).share.tolist() == [1.0, 1.0]
+    found = search(one, 6, 12)
+    assert found.feasible
+    assert found.setting["press_force"] <= 10.0
+    assert (found.check.going_in, found.check.devices) == (64, 64)
+    assert found.interval == pytest.approx((0.9434, 1.0), abs=1e-4)  # 64 / (64 + 1.96²)
+    assert len(found.checks) > 1
+    for force in (12.0, 16.0, 20.0):
+        assert one.check({"press_force": force, "tilt_stiffness": 0.5}).row[0] < 1.0
+
+
+def test_times_are_expected_to_grow_as_at_the_nearest_check(monkeypatch):
+    """Of the devices, the quick trial misses the slowest; a limit of the time is kept by all."""
+    oracle(monkeypatch, lambda _, friction: friction > 9.0)
+    one = trials({"time": 0.1})
+    quick = Trials.quick
+
+    def optimistic(self, points):
+        return [(*row[:2], 0.7 * row[2], *row[3:]) for row in quick(self, points)]
+
+    monkeypatch.setattr(Trials, "quick", optimistic)
+    found = search(one, 6, 12)
+    assert found.feasible
+    assert found.setting["press_force"] > 10.0  # the time is 1/f0, of the lightest press
+    assert len(found.checks) < 6
+
+
+def test_a_setting_is_tried_as_it_is_printed():
+    assert as_printed(13.2197, 4.0, 24.0) == 13.22
+    assert as_printed(4.00011, 4.0001, 24.0) == 4.001  # within the range
+    assert as_printed(23.99996, 4.0, 23.99997) == 23.99
+    assert f"{as_printed(0.123456, 0.1, 0.9):.4g}" == str(as_printed(0.123456, 0.1, 0.9))
+
+
+def test_a_device_without_tolerances_gets_ten_per_cent():
+    stated = replace(load_device(PEG), free=FREE)
+    assert set(with_tolerances(stated).tolerances) == set(designs.ASSUMED_OF)
+    with pytest.raises(ValueError, match="nothing is free"):
+        with_tolerances(load_device(PEG))
+
+
+def test_the_design_of_the_peg_is_not_beaten_by_a_full_grid():
+    limits = {"contact_force": 30.0, "time": 0.12}
+    best = search(trials(limits), 6, 12)
+    assert best.feasible
+    force, tilt = np.meshgrid(np.linspace(4.0, 24.0, 9), np.linspace(0.1, 0.9, 9))
+    grid = tried(trials(limits), np.stack([force.ravel(), tilt.ravel()], axis=1))
+    assert grid.keeps(limits).any()
+    assert best.tried.score(limits)[best.best] <= grid.score(limits).min()
