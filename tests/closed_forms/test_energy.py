@@ -108,7 +108,7 @@ def balance_of(
     runs, history, work = single.runs, single.history, single.work
     i = runs.shape[0] - 1
     begin(row, tolerance, scene, control, runs, i)
-    p = constants_in(judged)
+    p = constants_in(scene.events, judged)
     start = stored(state_in(runs, STATE, i), p, mode_of(runs, i))
     y, k, end, trial, dense = apart.y, apart.k, apart.y_end, apart.trial, apart.dense
     done = taken = lost = least = 0.0

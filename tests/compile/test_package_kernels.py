@@ -19,7 +19,7 @@ from model.events.insertion import INSERTION
 from model.events.kernels import MOST_SAMPLES, in_kernels
 from model.events.scenes import ALIGNMENT, Declared
 from model.events.steady_state import HISTORY, LONGEST_PERIOD
-from model.events.table import OF_FRICTION, OF_LENGTH, OF_LOAD, PLACES_OF_FORCES
+from model.events.table import GROUPS, OF_FRICTION, OF_LENGTH, OF_LOAD
 from model.physics.contacts import Contact
 from model.physics.modes import Mode
 from model.physics.motion import Forces, Motion, Support
@@ -30,7 +30,11 @@ from tests.compile.sources import bits, exactly, same
 
 DRAWS = 24
 LEAST = 4  # draws at least for which Python finds numbers
-EVENTS = tuple(in_kernels(scene).events for scene in (ALIGNMENT, INSERTION))
+EVENTS = tuple(
+    in_kernels(scene, is_round).events
+    for is_round in (False, True)
+    for scene in (ALIGNMENT, INSERTION)
+)
 Place = NamedTuple("Place", [(name, float) for name in dict.fromkeys(  # type: ignore[misc]
     (*CornerPositions._fields, *ContactState._fields, *Motion._fields)
 )])  # fmt: skip
@@ -50,12 +54,15 @@ def _kernels() -> dict[str, Any]:
 KERNELS = _kernels()
 
 
+_VARIANTS = Variants.printed(), Variants.consistent()
+
+
 class Draw:
     """Random arguments, by the names of parameters: methods that are called as these."""
 
     def __init__(self, device: Parameters, seed: int) -> None:
         self.rng, self.device = np.random.default_rng(seed), device
-        self.scene_events = EVENTS[seed % 2]
+        self.scene_events = EVENTS[seed % len(EVENTS)]
 
     def number(self) -> float:
         return float(self.rng.choice([0.0, 1.0, self.rng.normal(), self.rng.uniform(-1e-3, 1e-3)]))
@@ -73,9 +80,10 @@ class Draw:
         return State(*self.rng.uniform(low, high).tolist())
 
     def p(self) -> Constants:
-        variants = self.one_of(Variants(), Variants.consistent())
+        constants = self.scene_events.constants
+        variants = Variants.consistent() if constants.is_round else self.one_of(*_VARIANTS)
         row = Batch.stack([self.device]).constants(variants)[0]
-        return Constants(*(row * self.rng.uniform(0.8, 1.25, row.size)).tolist())
+        return constants(*(row * self.rng.uniform(0.8, 1.25, row.size)).tolist())
 
     def given(self) -> Given:
         values = (getattr(self.device, name) for name in PARAMETER_NAMES)
@@ -122,7 +130,7 @@ class Draw:
 
 
 _NUMBERS = (
-    "time", "x", "y", "tilt", "moment", "depth", "closing_rate", "load", "load_of_edge",
+    "time", "along", "x", "y", "tilt", "moment", "depth", "closing_rate", "load", "load_of_edge",
     "corner_load", "drive", "side_drive", "g11", "g12", "g21", "g22", "s", "share", "first",
     "angle", "value", "friction", "least", "noise", "period", "cycles",
 )  # fmt: skip
@@ -168,7 +176,7 @@ _OTHERS: dict[str, Callable[[Draw], Any]] = {
     "name": lambda draw: draw.one_of(*Constants._fields),
     "out": lambda _: np.zeros(MOST_SAMPLES),
     "outcome": lambda draw: draw.one_of(0, 1, 2),
-    "place": lambda draw: draw.one_of(*PLACES_OF_FORCES),
+    "group": lambda draw: draw.one_of(*GROUPS),
     "quantities": lambda draw: tuple(draw.number() for _ in range(4)),
     "reason": lambda draw: draw.one_of(0, 1, 2),
     "row": _row,

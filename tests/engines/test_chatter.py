@@ -49,9 +49,10 @@ def standing(device):
 def test_a_moment_passes_if_it_makes_no_difference_which_mode_holds(
     standing, at_once, before, moment
 ):
+    scene, _ = Settings().for_kernels
     runs = standing(at_once)
     state = runs[0, STATE : STATE + STATE_SIZE].copy()
-    skip_chatter(before, runs, 0)
+    skip_chatter(scene, before, runs, 0)
     assert runs[0, AT.time] == pytest.approx(moment, rel=1e-12)
     assert np.array_equal(runs[0, STATE : STATE + STATE_SIZE], state) is (moment == 0.0)
     assert runs[0, AT.rhs_evaluations] < 20

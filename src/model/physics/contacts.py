@@ -17,7 +17,7 @@ from typing import NamedTuple
 from model.compile.kernels import inlined_kernel, operation
 from model.physics.geometry import bottom_corner, crescent, edge_place, face_coordinate
 from model.physics.notation import LEFT_EDGE
-from model.physics.trigonometry import square_root
+from model.physics.trigonometry import sine_cosine, square_root
 
 Row = tuple[float, float, float]
 
@@ -85,7 +85,9 @@ def tips_on_face(side, q, p):
     slip and its drift as (T3) and (T4). Of the tips over A2 this is the mirror image.
     """
     x, y, x_rate, tilt_rate = side * q.x, q.y, side * q.x_rate, side * q.tilt_rate
-    offset, rim_x, reach, behind, c, s = crescent(x, y, side * q.tilt, p)
+    sine, c = sine_cosine(q.tilt)
+    s = side * sine
+    offset, rim_x, reach, behind = crescent(x, y, s, c, p)
     a, hole = p.half_width, p.slot_half_width
     rise, along = rim_x * s, rim_x * c - offset
     square = offset * offset

@@ -57,8 +57,6 @@ class Crescent(NamedTuple):
     rim_x: float
     reach: float
     behind: float
-    cos: float
-    sin: float
 
 
 @inlined_kernel
@@ -68,18 +66,17 @@ def _gap(p):
 
 
 @inlined_kernel
-def crescent(x, y, tilt, p):
-    """Return the ``Crescent`` of a round part over the rim of its hole, for φ >= 0 on the right.
+def crescent(x, y, s, c, p):
+    """Return the ``Crescent`` on the right, from position and sine and cosine of the tilt.
 
     The rims cross at (X, ±Z) of the hole's rim, X² + Z² = l², and at ξ = X c - p along the face
     (T1). For φ > 0 no other point of the hole's rim is as deep behind the face.
     """
-    s, c = sine_cosine(tilt)
     offset, height = x * c + y * s, y * c - x * s
     gap = _gap(p)
     reach = square_root(offset * offset + gap * (s * s))
     rim_x = (offset * offset + gap) / (reach + c * offset)
-    return Crescent(offset, rim_x, reach, p.half_height - height - rim_x * s, c, s)
+    return Crescent(offset, rim_x, reach, p.half_height - height - rim_x * s)
 
 
 @inlined_kernel

@@ -8,6 +8,7 @@ import pytest
 from model.engines.batch.lane_events import applicable_in, kind_of, lane_events_of
 from model.engines.batch.mode_kinds import lane_modes, mode_in_kind
 from model.events.insertion import INSERTION
+from model.events.kernels import in_kernels
 from model.events.scenes import ALIGNMENT, Scene
 from model.physics.modes import (
     CLOSED,
@@ -20,7 +21,7 @@ from model.physics.modes import (
     Mode,
 )
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
-from model.physics.parameters import Constants
+from model.physics.parameters import Constants, Shape
 from model.runs.settings import Settings
 from model.runs.trace import COLUMNS, trace_run
 from verification.fuzz import SCENES, draw
@@ -32,10 +33,11 @@ FIELDS = {
 }  # fmt: skip
 
 
+@pytest.mark.parametrize("is_round", [False, True], ids=["square", "round"])
 @pytest.mark.parametrize("scene", [ALIGNMENT, INSERTION], ids=lambda scene: scene.name)
-def test_masks_hold_every_event_that_applies(scene: Scene) -> None:
-    lanes, table = lane_events_of(scene.events), scene.events
-    p = Constants(*np.ones(len(Constants._fields)).tolist())
+def test_masks_hold_every_event_that_applies(scene: Scene, is_round: bool) -> None:
+    lanes = lane_events_of(in_kernels(scene, is_round).events)
+    p = lanes.events.constants(*np.ones(len(Constants._fields)).tolist())
     p = p._replace(**{name: 0.0 for name in Constants._fields if name.startswith("printed_")})
     rng, held, left_out = np.random.default_rng(0), 0, 0
     for values in product(*FIELDS.values()):
@@ -53,7 +55,8 @@ def test_masks_hold_every_event_that_applies(scene: Scene) -> None:
         if (kind := kind_of(lanes, mode)) < 0:
             continue
         mask, held = int(applicable_in(lanes, kind, p, mode)), held + 1
-        for which, event in enumerate(table):
+        for which, each in enumerate(lanes.events.all):
+            event = each.event
             applies = any(case(p, mode) for case, _ in event.function)
             assert mask & 1 << which or not applies, (event.name, mode)
             left_out += not mask & 1 << which
@@ -61,11 +64,13 @@ def test_masks_hold_every_event_that_applies(scene: Scene) -> None:
     assert left_out > held
 
 
+@pytest.mark.parametrize("shape", ["square", "round"])
 @pytest.mark.parametrize("scene", [ALIGNMENT, INSERTION], ids=lambda scene: scene.name)
-def test_every_mode_that_runs_meet_has_been_listed(scene: Scene) -> None:
+def test_every_mode_that_runs_meet_has_been_listed(scene: Scene, shape: Shape) -> None:
     """Its mask is empty otherwise: lanes would pass its events."""
-    lanes, batch = lane_events_of(scene.events), draw(31, 0, 100, SCENES[scene.name][1])
-    settings = Settings(scene=scene, horizon=10.0, max_evaluations=20_000)
+    batch = draw(31, 0, 100, SCENES[scene.name][1])
+    lanes = lane_events_of(in_kernels(scene, shape == "round").events)
+    settings = Settings(scene=scene, shape=shape, horizon=10.0, max_evaluations=20_000)
     first, met = COLUMNS.index("mode_edge"), set()
     for part in (batch[row] for row in range(len(batch))):
         met |= {*map(tuple, trace_run(part, settings).track[:, first : first + len(START)])}

@@ -10,17 +10,17 @@ from model.engines.batch import lane_events, step
 from model.engines.batch.lane_events import lane_events_of
 from model.engines.batch.workspace import new_workspace
 from model.events.insertion import INSERTION
+from model.events.kernels import in_kernels
 from model.events.scenes import ALIGNMENT, Scene
 
 # Kernels whose loops are all over lanes, and their arguments.
 LOOPS = {
-    step._set_sines: "w",
-    step._set_lengths: "w",
+    step._set_sines: "lanes, w",
+    step._set_lengths: "lanes, w",
     lane_events.sample_levels: "lanes, applicable, w",
     step._screen: "lanes, applicable, w",
     step._find_single: "lanes, which, w",
     step._find_combined: "lanes, which, w",
-    step._set_largest: "lanes, w",
     step._end_steps: "lanes, w",
 }
 
@@ -28,7 +28,7 @@ LOOPS = {
 @pytest.mark.parametrize("kernel", LOOPS, ids=lambda kernel: kernel.__name__)
 @pytest.mark.parametrize("scene", [ALIGNMENT, INSERTION], ids=lambda scene: scene.name)
 def test_lanes_are_written_a_vector_at_a_time(kernel, scene: Scene):
-    lanes = lane_events_of(scene.events)
+    lanes = lane_events_of(in_kernels(scene).events)
     given = {"lanes": lanes, "applicable": 0, "which": 0, "w": new_workspace(lanes.lines)}
     types = tuple(flattened(given[name], []) for name in LOOPS[kernel].split(", "))
     module = Module((kernel, types), None)
