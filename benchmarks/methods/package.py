@@ -86,7 +86,7 @@ def _last_run(settings: Settings, rows: Floats, tolerance: Floats) -> tuple[floa
     """Return (alignment time, outcome, final state) of one run of the batch engine."""
     results = np.empty((1, len(RunResult._fields)))
     scene, control = settings.for_kernels
-    lanes, queue = lane_events_of(settings.scene.events), new_queue(waiting=1, threads=1)
+    lanes, queue = lane_events_of(scene.events), new_queue(waiting=1, threads=1)
     many = new_batch_memory(lanes, settings.may_settle)
     arguments = rows, tolerance, scene, lanes, control, queue, results, many
     _begin_all(*arguments)

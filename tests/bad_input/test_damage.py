@@ -74,9 +74,9 @@ class Page:
         made = WebAssembly(b"\0asm" + bytes(range(200)), stack=0)
         declared = in_browser._Declared(None, {"given": np.zeros(1)}, {})
         engines = dict.fromkeys(["run_one", "run_many"], declared)
-        monkeypatch.setattr(in_browser, "_declared", lambda: engines)
+        monkeypatch.setattr(in_browser, "_declared", lambda _: engines)
         monkeypatch.setattr(in_browser, "web_assembly_of", lambda _: made)
-        monkeypatch.setattr(in_browser, "_folder", lambda: folder / "webassembly")
+        monkeypatch.setattr(in_browser, "_folder", lambda _: folder / "webassembly")
         self.path = folder / "webassembly" / name
         self.use()
 

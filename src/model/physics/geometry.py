@@ -1,5 +1,6 @@
 """Positions of the part's corners and the slot's edges; dimensionless, angles in radians."""
 
+import math
 from math import sqrt
 from typing import NamedTuple
 
@@ -127,3 +128,24 @@ def first_touch(tilt, p):
 def place_on_rim(along, p):
     """Return X of the tips at ξ = ``along`` of the face: X² = g² + ξ²."""
     return sqrt(_gap(p) + along * along)
+
+
+def press_lever(p: Constants) -> float:
+    """Return the lever of the press about the contact at the start, X - x (T7)."""
+    along = first_touch(p.initial_tilt, p)
+    rim_x = place_on_rim(along, p) if p.is_round and along < p.half_width else p.slot_half_width
+    return float(rim_x - p.misalignment)
+
+
+def farthest_tilted(p: Constants) -> float:
+    """Return the misalignment up to which the press tilts a part towards the hole (T8)."""
+    if not p.is_round:
+        return float(p.slot_half_width)
+    return math.hypot(math.sqrt(_gap(p)), p.half_height * math.tan(p.initial_tilt))
+
+
+def lever_doubt(p: Constants) -> float:
+    """Return by what share the lever of a round part grows if the rims themselves yield (T10)."""
+    rest = _gap(p) - p.misalignment**2
+    force = p.press_force + 1.0
+    return 2.0 * p.half_width * force / (p.contact_stiffness * rest) if rest > 0.0 else math.inf

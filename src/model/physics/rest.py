@@ -105,7 +105,7 @@ def _balance(s, tilt, share, first, p):
 
     The load is linear in the depth at an edge, and nearly so at tips: two steps of Newton's method.
     """
-    depth, h = 0.0, _DIFFERENCE
+    depth, h = 0.0, 1e-3
     for _ in range(2):
         load = _required(s, depth, tilt, share, first, p).load
         slope = (_required(s, depth + h, tilt, share, first, p).load - load) / h
