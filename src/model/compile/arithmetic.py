@@ -17,9 +17,7 @@ from model.compile.values import (
     Static,
     SubsetError,
     Value,
-    as_group,
     constant,
-    is_number,
     known_number,
     static_result,
 )
@@ -51,10 +49,7 @@ def operate(code: Code, how: type[ast.operator], a: Value, b: Value) -> Value:
     if isinstance(a, Static) and isinstance(b, Static):
         return static_result(_PYTHON[how], a.object, b.object)
     if isinstance(a, Group) or isinstance(b, Group):
-        one, other = as_group(a), as_group(b)
-        if how is not ast.Add or not (isinstance(one, Group) and isinstance(other, Group)):
-            raise SubsetError("arithmetic on tuples", "compute item by item; + joins two tuples")
-        return Group(None, (*one.items, *other.items))
+        raise SubsetError("arithmetic on tuples", "compute item by item, or write (*a, *b)")
     if how in _ARITHMETIC:
         neutral = _without_effect(how, a, b)
         return code.arithmetic(_ARITHMETIC[how], a, b) if neutral is None else neutral
@@ -178,10 +173,8 @@ def compared(code: Code, how: ast.cmpop, a: Value, b: Value) -> Static | Number:
 
 
 def _is_same(a: Value, b: Value) -> bool:
-    """Return whether two values are the same object, if this is known."""
-    objects = [each.object for each in (a, b) if isinstance(each, Static)]
-    if any(each is None for each in objects):
-        return len(objects) == 2 and objects[0] is objects[1]
-    if len(objects) < 2 or any(is_number(each) or isinstance(each, tuple) for each in objects):
-        raise SubsetError("`is` of numbers or tuples", "write ==")
-    return objects[0] is objects[1]
+    """Return whether two values, one of which must be None, are the same object."""
+    is_none = [isinstance(each, Static) and each.object is None for each in (a, b)]
+    if not any(is_none):
+        raise SubsetError("`is` without None", "write ==")
+    return all(is_none)
