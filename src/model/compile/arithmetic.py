@@ -51,8 +51,7 @@ def operate(code: Code, how: type[ast.operator], a: Value, b: Value) -> Value:
     if isinstance(a, Group) or isinstance(b, Group):
         raise SubsetError("arithmetic on tuples", "compute item by item, or write (*a, *b)")
     if how in _ARITHMETIC:
-        neutral = _without_effect(how, a, b)
-        return code.arithmetic(_ARITHMETIC[how], a, b) if neutral is None else neutral
+        return code.arithmetic(_ARITHMETIC[how], a, b)
     if how is ast.Pow:
         return _power(code, a, b)
     if how in (ast.FloorDiv, ast.Mod):
@@ -61,22 +60,6 @@ def operate(code: Code, how: type[ast.operator], a: Value, b: Value) -> Value:
     if shift is not None and not 0 <= shift < _BITS_OF_INTEGER:
         raise SubsetError(f"a shift by {shift}", f"shift by 0 to {_BITS_OF_INTEGER - 1}")
     return code.integers(_BITS[how], a, b)
-
-
-def _without_effect(how: type[ast.operator], a: Value, b: Value) -> Value | None:
-    """Return the other number where one is the int 0 or 1 and changes nothing; else None.
-
-    Only of ints: 0 + x is not x where x is -0.0.
-    """
-    for known, other in ((a, b), (b, a)):
-        if isinstance(known, Static) and type(known.object) is int:
-            if not (isinstance(other, Number) and other.kind == INTEGER):
-                continue
-            if known.object == (how is ast.Mult) and how in (ast.Add, ast.Mult):
-                return other
-            if how is ast.Sub and known is b and known.object == 0:
-                return other
-    return None
 
 
 def _power(code: Code, base: Value, exponent: Value) -> Value:

@@ -173,10 +173,6 @@ class Code:
         names = [self.do(f"load {at.kind}, ptr {at.name}{self.group}") for at in leaves(place)]
         return rebuilt(place, iter(names))
 
-    def element(self, array: Array) -> Number:
-        """Return the place of the number that an array of no dimension is."""
-        return Number(array.kind, array.pointer)
-
     def address(self, array: Array, offset: Value) -> str:
         """Return the address of a number of an array, ``offset`` numbers after the first."""
         place = self.number(offset)

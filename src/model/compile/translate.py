@@ -302,7 +302,7 @@ class Function(Expressions):
         place = self._part(node.target)
         if place.lengths:
             raise SubsetError("arithmetic on a part of an array", "write a loop over a range")
-        old = code.load(code.element(place))
+        old = code.load(Number(place.kind, place.pointer))
         self._fill(place, operate(code, how, old, self.evaluate(node.value)))
 
     def _store(self, target: ast.expr, value: Value, keep_static: bool = False) -> None:
@@ -330,7 +330,7 @@ class Function(Expressions):
         """Store a number into an element, or into all elements of a part of an array."""
         number = self.code.of_kind(value, place.kind)
         if not place.lengths:
-            self.code.store(number, self.code.element(place))
+            self.code.store(number, Number(place.kind, place.pointer))
             return
         length, *lengths = place.lengths
         count = Static(length) if isinstance(length, int) else length
