@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from model import ALIGNMENT, Batch, Parameters, Scene, Variants
-from model.compile.entries import compiled
+from model.compile.entries import bound, compiled
 from model.engines.lifecycle import NOISE, Control, begin
 from model.engines.record import AT, MODE, STATE
 from model.engines.scalar import loop
@@ -79,9 +79,10 @@ class SteppedRun:
             runs[0, STATE : STATE + 6] = state
             runs[0, MODE : MODE + len(mode)] = mode
             runs[0, AT.tau_align] = tau_align
+        step = bound(advance, events, control, track, single.history, single.work, runs, 0)
         begun = _present(runs)
         while runs[0, AT.outcome] == CONTINUES:
-            advance(events, control, track, single.history, single.work, runs, 0)
+            step()
             ended = _present(runs)
             self.steps.append(Step(*begun, *ended))
             begun = ended

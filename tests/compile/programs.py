@@ -96,9 +96,8 @@ class _Writer:
             lambda: f"(floor({e(d)}) + 0.0)",
             lambda: f"float({self.choice(n, b)(d)})",
             lambda: f"{self.one_of('min', 'max')}({e(d)}, {e(d)}, {e(0)})",
-            lambda: f"{self.one_of('min', 'max')}({e(d)}, as_float({n(d)}))",
+            lambda: f"({self.one_of('min', 'max')}({e(d)}, as_float({n(d)})) * 1.0)",
             lambda: f"({e(d)} if {b(d)} else {e(d)})",
-            lambda: f"({e(d)} if (b0 & {b(d)}) else as_float({n(d)}))",
             lambda: f"({e(d)}, {e(0)}, 0.75)[{self.index(3)}]",
             lambda: f"Pair({e(d)}, y={e(0)}).{self.one_of('x', 'y')}",
             lambda: f"max(v * {e(0)} for v in ({e(d)}, {e(0)}, 2.0))",
@@ -110,16 +109,16 @@ class _Writer:
         e, n, b = self.number, self.integer, self.truth
         d = depth - 1
         if depth <= 0:
-            return self.one_of(*_INTS, "1", "-7", "3", "1000000007", f"k[{self.index()}]")
+            return self.one_of(*_INTS, "1", "-7", "3", "11", f"k[{self.index()}]")
         return self.one_of(
             lambda: f"as_int({n(d)} {self.one_of('+', '-', '*', '&', '|', '^')} {n(d)})",
             lambda: f"({n(d)} {self.one_of('//', '%')} (({n(d)} & 7) + 1))",
             lambda: f"as_int({n(d)} {self.one_of('//', '%')} (({n(d)} & 7) - 9))",
-            lambda: f"as_int({n(d)} {self.one_of('<<', '>>')} ({n(0)} & 31))",
+            lambda: f"as_int({n(d)} {self.one_of('<<', '>>')} ({self.one_of(*_INTS)} & 31))",
             lambda: f"as_int({self.one_of('-', '~', '+')}{n(d)})",
             lambda: f"as_int({b(d)} + {n(d)})",
             lambda: f"({b(d)} {self.one_of('+', '-', '*')} {b(d)})",
-            lambda: f"as_int(({n(d)}) ** {self.one_of('1', '2', '3')})",
+            lambda: f"as_int(({n(d)}) ** {self.one_of('1', '2')})",
             lambda: f"int({b(d)})",
             lambda: f"int(max(min({e(d)}, 1e6), -1e6))",
             lambda: f"as_int(abs({n(d)}))",
@@ -205,8 +204,6 @@ class _Writer:
 
     def _branch(self, depth: int) -> list[str]:
         lines = [f"if {self.choice(self.truth, self.integer, self.number)(2)}:", *self.block(depth)]
-        if self.draw(st.booleans()):  # an int where the name is a float
-            lines = [f"if b0 ^ {self.truth(1)}:", f"    x1 = as_float({self.integer(1)})"]
         if self.draw(st.booleans()):
             lines += [f"elif {self.truth(1)}:", *self.block(depth)]
         if self.draw(st.booleans()):

@@ -78,16 +78,3 @@ def bits(value: Any) -> Any:
     if isinstance(value, np.ndarray | np.generic):
         value = value.item()
     return value.hex() if isinstance(value, float) else value
-
-
-def same(found: Any, expected: Any) -> bool:
-    """Return whether machine code has found what Python has, to the bit.
-
-    An int of Python may be an equal float: a join.
-    """
-    if isinstance(expected, tuple):
-        is_alike = type(found) is type(expected) and len(found) == len(expected)
-        return is_alike and all(map(same, found, expected))
-    if isinstance(expected, (int, np.integer)) and isinstance(found, float):
-        return found == expected
-    return bool(bits(found) == bits(expected))

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.compile.sources import bits, exactly, load, same
+from tests.compile.sources import bits, exactly, load
 
 NAN, INF = float("nan"), float("inf")
 
@@ -68,13 +68,13 @@ SAME_AS_PYTHON = {
     "in what is known": ("x", "return 'b' in 'abc', 'ab' in 'abc', 'ac' not in 'abc', x in (1.5, 2)"),
     "truth of numbers": ("x, n, b", "y = 0\nif x:\n    y += 1\nif n:\n    y += 2\nif b:\n    y += 4\nreturn y"),
     "truth of tuples": ("n", "t, e = (n, 0), ()\nreturn (1 if t else 2), (1 if e else 2)"),
-    "is": ("n", "t = None\nreturn n is None, t is None, t is not None, math is math, len is abs"),
-    "a choice": ("x, n, b", "return (x if b else n), (n if x > 0 else -n), (1 if b else 2.5), (b if n else n)"),
+    "is": ("n", "t = None\nreturn n is None, t is None, t is not None, None is None, math is None"),
+    "a choice": ("x, n, b", "return (x if b else 2.5), (n if x > 0 else -n), (1.0 if b else 2.5), (b if n else x > 2)"),
     "a nested choice": ("x, y", "return 1.0 if x > y else -1.0 if x < y else (0.0 if x == y else 7.0)"),
-    "a choice of tuples": ("x, n, b", "s, t = (x, n) if b else (1, 2.5)\nreturn s, t"),
+    "a choice of tuples": ("x, n, b", "s, t = (x, n) if b else (1.0, 25)\nreturn s, t"),
     # ------------------------------------------------------------------------ functions of Python
     "min, max": ("x, y", "return min(x, y), max(x, y), min(x, y, 1.0), max(1.0, x, y), min((x, y))"),
-    "min, max of each kind": ("x, n, b", "return max(x, n), min(n, x), max(n, b), min(b, b), min((n,))"),
+    "min, max of each kind": ("x, n, b", "return max(x, n) + 0.0, min(n, x) * 1.0, max(n, b) + 0, min(b, 1) * 1, min((n,))"),
     "abs": ("x, n, b", "return abs(x), abs(n), abs(b), abs(-3)"),
     "sqrt": ("x", "return sqrt(abs(x)), math.sqrt(4), math.sqrt(2.0)"),
     "isnan, isfinite": ("x", "return isnan(x), np.isnan(x), isfinite(x), isnan(3)"),
@@ -82,14 +82,14 @@ SAME_AS_PYTHON = {
     "all of numbers": ("x, n, b", "return any((x, n)), all((n, b))"),
     "where": ("x, n, b", "return float(np.where(b, x, 2.5)), int(np.where(n > 1, n, 0))"),
     "len": ("w", "return len(w), len((1, 2)), len('abc'), len(w[1:3])"),
-    "isinstance": ("x, n, b", "return isinstance(x, float), isinstance(n, int), isinstance(b, int), isinstance(b, bool), isinstance(x, (int, float)), isinstance((), tuple), isinstance('a', str), isinstance(n, bool)"),
+    "isinstance": ("x, n, b", "return isinstance(x, float), isinstance(n, int), isinstance(b, int), isinstance(b, bool), isinstance((x, n), tuple), isinstance('a', str), isinstance(n, bool)"),
     "getattr": ("x", "p = Point(x, 3)\nreturn getattr(p, 'x'), getattr(p, 'n'), getattr(math, 'pi')"),
     # ----------------------------------------------------------------------------- tuples, tables
-    "tuples": ("x, y", "t = x, y, 3\nreturn t, t[0], t[-1], t[1:], t[:2], t + (x,), (1, 2) + t"),
+    "tuples": ("x, y", "t = x, y, 3\nreturn t, t[0], t[-1], t[1:], t[:2], (*t, x), (1, *t[1:])"),
     "unpacking": ("t", "x, n = t\n(y, m), z = (n, x), 1\n[u, v] = t\nreturn x, n, y, m, z, u, v"),
     "exchange": ("x, y", "x, y = y, x\nx, y, z = y + 1.0, x, x\nreturn x, y, z"),
-    "a star": ("t", "return (*t, 3, *t), max(*t), min(*t, *(1, 2)), (*(v * 2 for v in t),)"),
-    "an item at run time": ("k, n", "return (4, 5, 6)[n], (k[0], 2.5, True)[n], TABLE[n], ROWS[n][1], (1, 2, 3)[n > 1]"),
+    "a star": ("t", "return (*t, 3, *t), max(*t) * 1.0, min(*t, *(1, 2)) * 1.0, (*(v * 2 for v in t),)"),
+    "an item at run time": ("k, n", "return (4, 5, 6)[n], (k[0], 2, k[1])[n], SAME[n], ROWS[n][1], (1, 2, 3)[n > 1]"),
     "items of tables": ("n", "return TABLE[1], TABLE[-1], NAMED['b'], ROWS[1], len(ROWS), TABLE[0:2]"),
     "named tuples": ("x, n", "p = Point(x, n=n)\nx, m, flag = p\nreturn p, p.x, p[1], m, flag, Point(1, 2, True)"),
     "_replace": ("x, n", "p = Point(x, n)\nq = p._replace(n=7)\nr = ORIGIN._replace(x=x)\nreturn p, q, r, ORIGIN._replace(n=3)"),
@@ -109,11 +109,6 @@ SAME_AS_PYTHON = {
     "no return": ("x", "y = x\npass\n'text'\n"),
     "an empty return": ("x", "if x > 0:\n    return\nreturn None"),
     "an empty tuple": ("x", "return (), (x, ())"),
-    "joins": ("x, n, b", "y = n\nif b:\n    y = x\nz = 1 if b else False\nreturn y / 2, y * 2, z + 1"),
-    "joins in a loop": ("x, n", "y = 0\nfor i in range(n):\n    y = y + x\n    x = 1 + x\nreturn y / 2"),
-    "joins of tuples": ("x, n, b", "t = (n, 1), b\nif b:\n    t = (x, 2), True\nreturn t[0][0] / 2, t[0][1], t[1]"),
-    "two joins of one name": ("x, n, b", "if b:\n    y = 1\nelse:\n    y = 2.5\nz = y\nif b:\n    y = (1, 2)\nelse:\n    y = (1.5, 2)\nreturn z, y[0] / 2"),
-    "joins of results": ("x, n, b", "if b:\n    return 1, True, n\nif n > 2:\n    return x, 2, n\nreturn 0, 0.5, True"),
     "while": ("n", "s = 0\ni = 0\nwhile i < n % 50:\n    i += 1\n    if i == 3:\n        continue\n    if i > 9:\n        break\n    s += i\nreturn s, i"),
     "while True": ("n", "i = 0\nwhile True:\n    i += 1\n    if i * i > n % 1000:\n        return i"),
     "while False": ("n", "while False:\n    n = 0\nreturn n"),
@@ -123,9 +118,7 @@ SAME_AS_PYTHON = {
     "a range that is changed": ("n", "m, s = 4, 0\nfor i in range(m):\n    m += 1\n    s += m\nreturn m, s"),
     "loops in loops": ("n", "s = 0\nfor i in range(4):\n    for j in range(i):\n        if j == 2:\n            break\n        if i == 2:\n            continue\n        s += 10 * i + j\n    s *= 3\nreturn s"),
     "for over items": ("x, n", "s = 0.0\nfor v in (x, n, 3):\n    if v == 2:\n        continue\n    s = 2 * s + v\nreturn s, v"),
-    "break from items": ("x, n", "for v in (x, n, 3.0):\n    if v == 2:\n        break\nreturn v"),
-    "zeros among items": ("b", "for v in (0.0, -0.0):\n    if b:\n        break\nreturn v"),
-    "a join of items": ("b", "s = 0\nfor v in (1, 2, 3):\n    if b and v == 2:\n        break\n    s += v\nreturn s"),
+    "break from items": ("x, n", "for v in (x, x + n, 3.0 * n):\n    if v == 2:\n        break\nreturn v"),
     "nothing to loop over": ("x", "v = x\nfor v in ():\n    v = 1.0\nfor i in range(0):\n    v = 2.0\nreturn v"),
     "static items": ("x", "s = 0.0\nfor name, by in (('x', 2), ('y', 3)):\n    s += getattr(Pair(x, 1.0), name) * by\nreturn s"),
     "functions as items": ("x", "s = 0.0\nfor f in (double, triple):\n    s = f(s) + f(x)\nreturn s"),
@@ -160,13 +153,13 @@ SAME_AS_PYTHON = {
     "a nested kernel": ("x, n", "return applied_twice(applied, double, x), MADE(n)"),
     "recursion over what is known": ("x", "return summed(x, (1, 2, 3))"),
     "a call without result": ("w", "r = nothing(w)\nnothing(w)\nreturn r is None, w[0]"),
-    "a static function": ("x", "return x * len(str(1234)), sorted((3, 1, 2))[0], math.factorial(4), math.cos(0.0)"),
+    "a static function": ("x", "return x * len(str(1234)), sorted(ROWS)[0], math.factorial(4), math.cos(0.0)"),
     "separate": ("x, n", "return apart(x, n), apart(n, x), apart(x, n)[0]"),
     "names of the outside": ("x", "return x * FACTOR, math.pi, np.inf, max.__name__ == 'max'"),
 }  # fmt: skip
 
 BEFORE = """\
-TABLE = (4, 5, 6.5)
+TABLE, SAME = (4, 5, 6.5), (4, 5, 6)
 ROWS = ((1, 2), (3, 4), (5, 6))
 NAMED = {"a": 1, "b": 2}
 ORIGIN = Point(0.0, 0)
@@ -295,6 +288,5 @@ def test_it_is_as_in_python(kernels: dict[str, Any], name: str) -> None:
         mine, pythons = copied(values), copied(values)
         with np.errstate(all="ignore"):
             expected = kernels[name](*pythons)
-        found = compiled(*mine)
-        assert same(found, expected), (values, found, expected)
+        assert bits(compiled(*mine)) == bits(expected), values
         assert bits(mine) == bits(pythons), values

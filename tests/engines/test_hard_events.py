@@ -7,7 +7,6 @@ from scipy.optimize import brentq, minimize_scalar
 from model import Outcome, Parameters, Reason, Settings, align, simulate
 from model.engines.scalar.location import NO_EVENT
 from model.engines.scalar.step import state_of
-from model.events.friction import hold_sticking
 from model.events.kernels import MOST_SAMPLES, sample_into
 from model.events.table import FACE_GAP, FACE_LOAD, RIGHT_CORNER_LANDS, RIGHT_EDGE_ENTERS
 from model.events.transitions import CONTINUES
@@ -103,7 +102,7 @@ def through(flight, y, mode, until):
             assert outcome == CONTINUES
             met.append(which)
             assert len(met) < 50  # no chatter
-        y = np.array(hold_sticking(state_of(y), flight.p, mode))
+        y = flight.held(y, mode)
     return y, mode, met
 
 

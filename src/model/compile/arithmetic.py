@@ -17,9 +17,7 @@ from model.compile.values import (
     Static,
     SubsetError,
     Value,
-    as_group,
     constant,
-    is_number,
     known_number,
     static_result,
 )
@@ -51,13 +49,9 @@ def operate(code: Code, how: type[ast.operator], a: Value, b: Value) -> Value:
     if isinstance(a, Static) and isinstance(b, Static):
         return static_result(_PYTHON[how], a.object, b.object)
     if isinstance(a, Group) or isinstance(b, Group):
-        one, other = as_group(a), as_group(b)
-        if how is not ast.Add or not (isinstance(one, Group) and isinstance(other, Group)):
-            raise SubsetError("arithmetic on tuples", "compute item by item; + joins two tuples")
-        return Group(None, (*one.items, *other.items))
+        raise SubsetError("arithmetic on tuples", "compute item by item, or write (*a, *b)")
     if how in _ARITHMETIC:
-        neutral = _without_effect(how, a, b)
-        return code.arithmetic(_ARITHMETIC[how], a, b) if neutral is None else neutral
+        return code.arithmetic(_ARITHMETIC[how], a, b)
     if how is ast.Pow:
         return _power(code, a, b)
     if how in (ast.FloorDiv, ast.Mod):
@@ -66,22 +60,6 @@ def operate(code: Code, how: type[ast.operator], a: Value, b: Value) -> Value:
     if shift is not None and not 0 <= shift < _BITS_OF_INTEGER:
         raise SubsetError(f"a shift by {shift}", f"shift by 0 to {_BITS_OF_INTEGER - 1}")
     return code.integers(_BITS[how], a, b)
-
-
-def _without_effect(how: type[ast.operator], a: Value, b: Value) -> Value | None:
-    """Return the other number where one is the int 0 or 1 and changes nothing; else None.
-
-    Only of ints: 0 + x is not x where x is -0.0.
-    """
-    for known, other in ((a, b), (b, a)):
-        if isinstance(known, Static) and type(known.object) is int:
-            if not (isinstance(other, Number) and other.kind == INTEGER):
-                continue
-            if known.object == (how is ast.Mult) and how in (ast.Add, ast.Mult):
-                return other
-            if how is ast.Sub and known is b and known.object == 0:
-                return other
-    return None
 
 
 def _power(code: Code, base: Value, exponent: Value) -> Value:
@@ -178,10 +156,8 @@ def compared(code: Code, how: ast.cmpop, a: Value, b: Value) -> Static | Number:
 
 
 def _is_same(a: Value, b: Value) -> bool:
-    """Return whether two values are the same object, if this is known."""
-    objects = [each.object for each in (a, b) if isinstance(each, Static)]
-    if any(each is None for each in objects):
-        return len(objects) == 2 and objects[0] is objects[1]
-    if len(objects) < 2 or any(is_number(each) or isinstance(each, tuple) for each in objects):
-        raise SubsetError("`is` of numbers or tuples", "write ==")
-    return objects[0] is objects[1]
+    """Return whether two values, one of which must be None, are the same object."""
+    is_none = [isinstance(each, Static) and each.object is None for each in (a, b)]
+    if not any(is_none):
+        raise SubsetError("`is` without None", "write ==")
+    return all(is_none)

@@ -16,18 +16,16 @@ from model.compile.values import (
     INTEGER,
     KINDS,
     Array,
-    Group,
     Number,
     SubsetError,
     Type,
     Value,
     at_run_time,
+    check_same,
     constant,
     element_kind,
     element_strides,
-    in_no_type,
     in_words,
-    joined,
     known_number,
     leaf_kinds,
     leaves,
@@ -175,10 +173,6 @@ class Code:
         names = [self.do(f"load {at.kind}, ptr {at.name}{self.group}") for at in leaves(place)]
         return rebuilt(place, iter(names))
 
-    def element(self, array: Array) -> Number:
-        """Return the place of the number that an array of no dimension is."""
-        return Number(array.kind, array.pointer)
-
     def address(self, array: Array, offset: Value) -> str:
         """Return the address of a number of an array, ``offset`` numbers after the first."""
         place = self.number(offset)
@@ -213,18 +207,6 @@ class Code:
             return constant(PYTHON_KINDS[kind](known))
         return Number(kind, self.do(_CONVERSIONS[number.kind, kind].format(number.name)))
 
-    def of_type(self, value: Value, type_: Type) -> Value:
-        """Return a value as one of the wider ``type_`` with which its own has been ``joined``."""
-        if type_of(value) == type_:
-            return value
-        if isinstance(type_, Number):
-            return self.of_kind(value, type_.kind)
-        value = at_run_time(value)
-        if isinstance(value, Group) and isinstance(type_, Group):
-            items = zip(value.items, type_.items, strict=True)
-            return Group(type_.made_by, tuple([self.of_type(*each) for each in items]))
-        return value
-
     def widened(self, one: Value, other: Value, least: str = BOOLEAN) -> tuple[Number, Number]:
         """Return two numbers as numbers of the wider kind, and at least of the kind ``least``."""
         kind = max(self.number(one).kind, self.number(other).kind, least, key=KINDS.index)
@@ -256,14 +238,11 @@ class Code:
         return Number(BOOLEAN, self.do(text))
 
     def select(self, condition: Number, yes: Value, no: Value) -> Value:
-        """Return one of two values, both of which are computed."""
-        type_ = joined(type_of(yes), type_of(no))
-        if type_ is None:
-            raise in_no_type(type_of(yes), type_of(no))
-        both = zip(leaves(self.of_type(yes, type_)), leaves(self.of_type(no, type_)), strict=True)
-        head = f"select i1 {condition.name}"
+        """Return one of two values of the same type, both of which are computed."""
+        check_same(type_of(yes), type_of(no))
+        head, both = f"select i1 {condition.name}", zip(leaves(yes), leaves(no), strict=True)
         names = [self.do(f"{head}, {a.kind} {a.name}, {b.kind} {b.name}") for a, b in both]
-        return rebuilt(type_, iter(names))
+        return rebuilt(yes, iter(names))
 
     # -------------------------------------------------------------------------------------- calls
 

@@ -43,10 +43,9 @@ from model.compile.values import (
     SubsetError,
     Value,
     at_run_time,
-    in_no_type,
+    check_same,
     in_words,
     is_iterator,
-    joined,
     known_objects,
     static_result,
     type_of,
@@ -276,14 +275,12 @@ class Expressions:
         code.jump(after_yes)
         code.begin(no)
         other = at_run_time(self.evaluate(node.orelse))
-        type_ = joined(type_of(value), type_of(other))
-        if type_ is None:
-            raise in_no_type(type_of(value), type_of(other))
-        place = code.variable(type_)
-        code.store(code.of_type(other, type_), place)
+        check_same(type_of(value), type_of(other))
+        place = code.variable(type_of(value))
+        code.store(other, place)
         code.jump(end)
         code.begin(after_yes)
-        code.store(code.of_type(value, type_), place)
+        code.store(value, place)
         code.jump(end)
         code.begin(end)
         return code.load(place)

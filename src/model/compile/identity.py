@@ -5,7 +5,6 @@ cache folder stands for the contents of its files. Nothing stands for those of o
 """
 
 import dataclasses
-import enum
 import hashlib
 from pathlib import Path
 from types import CodeType, FunctionType, MethodType
@@ -37,20 +36,14 @@ def identity_of(known: Any) -> str:
     Raises:
         OutsideError: an object that is neither data nor a function or class of the package.
     """
-    if isinstance(known, enum.Enum):
-        return f"{identity_of(type(known))}.{known.name}"
     if known is None or isinstance(known, (bool, int, float, str, np.generic, range)):
         return repr(known)
     if isinstance(known, (tuple, list)):
         return f"{identity_of(type(known))}({', '.join(map(identity_of, known))})"
     if isinstance(known, type):
         return _place(known)
-    if isinstance(known, np.ndarray):
-        values = hashlib.sha256(np.ascontiguousarray(known).tobytes()).hexdigest()
-        return f"array({known.dtype}, {known.shape}, {values})"
-    if isinstance(known, (dict, frozenset, set)):
-        items = known.items() if isinstance(known, dict) else known
-        return f"{type(known).__name__}({', '.join(sorted(map(identity_of, items)))})"
+    if isinstance(known, dict):
+        return f"dict({', '.join(sorted(map(identity_of, known.items())))})"
     if hasattr(known, "identity"):
         return str(known.identity)
     if id(known) not in _LASTING:
@@ -70,7 +63,7 @@ def is_inside(known: Any) -> bool:
 
 def _place(known: Any) -> str:
     """Return the place of a class or a function in the package."""
-    if not (is_inside(known) and hasattr(known, "__qualname__")):
+    if not (is_inside(known) and hasattr(known, "__qualname__")) or isinstance(known, MethodType):
         raise OutsideError(f"{known!r}: neither data nor a function or class of the package")
     return f"{known.__module__}.{known.__qualname__}"
 
@@ -79,8 +72,6 @@ def _lasting(known: Any) -> str:
     """Return the identity of an object that lives as long as the process."""
     if isinstance(known, Static):
         return f"static {identity_of(known.object)}"
-    if isinstance(known, MethodType):
-        return f"{identity_of(known.__self__)}.{identity_of(known.__func__)}"
     if dataclasses.is_dataclass(known):
         fields = (getattr(known, each.name) for each in dataclasses.fields(known))
         return f"{identity_of(type(known))}({', '.join(map(identity_of, fields))})"

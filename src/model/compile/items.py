@@ -67,8 +67,8 @@ def member(code: Code, value: Value, name: str) -> Value:
     elif name == "shape" and isinstance(value, Array):
         return Group(None, tuple(map(_length, value.lengths)))
     elif name == "size" and isinstance(value, Array):
-        size: Value = Static(1)
-        for length in value.lengths:
+        size = _length(value.lengths[0])
+        for length in value.lengths[1:]:
             size = operate(code, ast.Mult, size, _length(length))
         return size
     raise SubsetError(f"{in_words(type_of(value))} has no {name!r}", "name a member that it has")
@@ -132,7 +132,7 @@ def element(code: Code, value: Value, indices: list[Index]) -> Value:
         value = code.declared.array(value.object)
     if isinstance(value, Array):
         found = part_of(code, value, indices)
-        return found if found.lengths else code.load(code.element(found))
+        return found if found.lengths else code.load(Number(found.kind, found.pointer))
     if len(indices) > 1:
         raise SubsetError(f"{len(indices)} indices of a tuple", "give one")
     (index,) = indices
@@ -181,9 +181,16 @@ def part_of(code: Code, array: Array, indices: list[Index]) -> Array:
             strides.append(stride)
         else:
             first = _index(code, index, length)
-        offset = operate(code, ast.Add, offset, operate(code, ast.Mult, first, Static(stride)))
+        offset = _further(code, offset, first, stride)
     address = code.address(array, offset)
     return array._replace(pointer=address, lengths=tuple(lengths), strides=tuple(strides))
+
+
+def _further(code: Code, offset: Value, count: Value, stride: int) -> Value:
+    """Return an offset in an array plus a number of strides."""
+    term = count if stride == 1 else operate(code, ast.Mult, count, Static(stride))
+    is_first = isinstance(offset, Static) and offset.object == 0
+    return term if is_first else operate(code, ast.Add, offset, term)
 
 
 def length_of(value: Value) -> Value:

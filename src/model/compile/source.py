@@ -88,7 +88,7 @@ def source_of(code: CodeType) -> Source:
             f"{file}:{code.co_firstlineno}: kernel {code.co_name!r} has no source that returns a "
             "value; define it by a def statement in a file, without yield and async"
         )
-    names = Counter(names_assigned(found))
+    names = Counter(_assigned(found))
     for each in ast.walk(found):
         if isinstance(each, (ast.Global, ast.Nonlocal)):
             error = refusal(each)
@@ -98,7 +98,7 @@ def source_of(code: CodeType) -> Source:
     local = frozenset([*arguments, *names])
     for loop in ast.walk(found):
         if isinstance(loop, ast.For) and not is_counted(loop.iter):
-            names.update(names_assigned(loop))  # it is translated for each of its items
+            names.update(_assigned(loop))  # it is translated for each of its items
     names.update(arguments)
     return Source(found, local, frozenset(name for name in names if names[name] == 1))
 
@@ -120,14 +120,14 @@ def _functions_in(file: str, text: str) -> dict[int, ast.FunctionDef]:
     }
 
 
-def names_assigned(tree: ast.AST) -> Iterator[str]:
+def _assigned(tree: ast.AST) -> Iterator[str]:
     """Yield the names that are assigned in a function, once for each place."""
     if isinstance(tree, ast.comprehension):
         return
     if isinstance(tree, ast.Name) and isinstance(tree.ctx, ast.Store):
         yield tree.id
     for each in ast.iter_child_nodes(tree):
-        yield from names_assigned(each)
+        yield from _assigned(each)
 
 
 def is_counted(over: ast.expr) -> bool:

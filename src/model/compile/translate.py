@@ -12,7 +12,6 @@ from model.compile.items import part_of
 from model.compile.source import (
     KernelError,
     is_counted,
-    names_assigned,
     parameters_of,
     refusal,
     source_of,
@@ -30,13 +29,12 @@ from model.compile.values import (
     at_run_time,
     constant,
     in_words,
-    joined,
     known_number,
     leaf_kinds,
     rebuilt,
     type_of,
 )
-from model.compile.variables import Names, Variables, WidenedError
+from model.compile.variables import Names, Variables
 from model.compile.vector_code import WIDTH, each_lane
 
 
@@ -72,15 +70,10 @@ class Function(Expressions):
         self.types, self._declared = types, declared
         self.at, self._last_return = self.source.tree, cast("ast.stmt", self.source.tree)
         self._result: Type | None = None
-        self._wider: dict[str, list[Type]] = {}
-        while True:
-            try:
-                self._translate()
-                break
-            except WidenedError:
-                pass
-            except SubsetError as error:
-                raise self.error(error) from None
+        try:
+            self._translate()
+        except SubsetError as error:
+            raise self.error(error) from None
         self.result: Type = self._result or NOTHING
         self.at = self._last_return
 
@@ -98,7 +91,7 @@ class Function(Expressions):
 
     def _translate(self) -> None:
         self.code, self.at = Code(self._declared), self.source.tree
-        self.variables = Variables(self.code, self.source.unchanging, self._wider)
+        self.variables = Variables(self.code, self.source.unchanging)
         self._loops: list[_Loop] = []
         self.code.begin("begin")
         leaf_names = iter([f"%a{n}" for n in range(len(leaf_kinds(*self.types)))])
@@ -168,7 +161,6 @@ class Function(Expressions):
         test, body, end = code.labels("while", "round", "end")
         code.jump(test)
         code.begin(test)
-        self.variables.begin_round(names_assigned(node))
         before = dict(self.variables.assigned)
         truth = code.number(self.condition(node.test))
         loop = _Loop(test, end, [], [])
@@ -215,7 +207,6 @@ class Function(Expressions):
         code.store(first, counter)
         code.jump(test)
         code.begin(test)
-        self.variables.begin_round(names_assigned(node))
         before = dict(self.variables.assigned)
         n = code.number(code.load(counter))
         code.branch(code.compare("lt" if by > 0 else "gt", n, last), body, end)
@@ -286,15 +277,11 @@ class Function(Expressions):
     def _give_back(self, value: Value) -> None:
         value = at_run_time(value)
         type_ = type_of(value)
-        result = type_ if self._result is None else joined(self._result, type_)
-        if result is None:
-            words = " and ".join(map(in_words, (self._result, type_)))  # type: ignore[arg-type]
+        if self._result not in (None, type_):
+            words = " and ".join(map(in_words, (self._result, type_)))
             raise SubsetError(f"the kernel returns {words}", "return values of one type")
-        if self._result not in (None, result):
-            self._result = result
-            raise WidenedError
-        self._result, self._last_return = result, self.at
-        self.code.give_back(self.code.of_type(value, result))
+        self._result, self._last_return = type_, self.at
+        self.code.give_back(value)
 
     def _assignment(self, node: ast.Assign) -> None:
         value = self.evaluate(node.value)
@@ -315,7 +302,7 @@ class Function(Expressions):
         place = self._part(node.target)
         if place.lengths:
             raise SubsetError("arithmetic on a part of an array", "write a loop over a range")
-        old = code.load(code.element(place))
+        old = code.load(Number(place.kind, place.pointer))
         self._fill(place, operate(code, how, old, self.evaluate(node.value)))
 
     def _store(self, target: ast.expr, value: Value, keep_static: bool = False) -> None:
@@ -343,7 +330,7 @@ class Function(Expressions):
         """Store a number into an element, or into all elements of a part of an array."""
         number = self.code.of_kind(value, place.kind)
         if not place.lengths:
-            self.code.store(number, self.code.element(place))
+            self.code.store(number, Number(place.kind, place.pointer))
             return
         length, *lengths = place.lengths
         count = Static(length) if isinstance(length, int) else length

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 DOUBLE, INTEGER, BOOLEAN, POINTER = "double", "i64", "i1", "ptr"
 KINDS = (BOOLEAN, INTEGER, DOUBLE)  # a number becomes one of a kind further on
+_MOST_LISTED = 4  # items of a tuple in an error
 _PYTHON_NUMBERS = (bool, int, float, np.bool_, np.integer, np.floating)
 _ELEMENTS = {np.dtype(np.float64): DOUBLE, np.dtype(np.int64): INTEGER}
 
@@ -198,30 +199,11 @@ def type_of(value: Value) -> Type:
     return rebuilt(value, repeat(""))
 
 
-def joined(one: Type, other: Type) -> Type | None:
-    """Return the type of a variable that has one type here and another there; None for no type.
-
-    Of two numbers it is the wider one; a static number counts as a number.
-    """
-    if one == other:
-        return one
-    one, other = type_of(at_run_time(one)), type_of(at_run_time(other))
-    if isinstance(one, Number) and isinstance(other, Number):
-        return max(one, other, key=lambda each: KINDS.index(each.kind))
-    if isinstance(one, Group) and isinstance(other, Group):
-        classes = {one.made_by, other.made_by} - {None}
-        if len(one.items) != len(other.items) or len(classes) > 1:
-            return None
-        items = [joined(*each) for each in zip(one.items, other.items, strict=True)]
-        known = [each for each in items if each is not None]
-        return Group(one.made_by or other.made_by, tuple(known)) if known == items else None
-    return one if one == other else None
-
-
-def in_no_type(one: Type, other: Type) -> SubsetError:
-    """Return the error that two values, of which one is taken, have no common type."""
-    found = f"a value that is {in_words(one)} or {in_words(other)}"
-    return SubsetError(found, "give both the same type")
+def check_same(one: Type, other: Type) -> None:
+    """Check that two values, of which one is taken, are of the same type."""
+    if one != other:
+        found = f"a value that is {in_words(one)} or {in_words(other)}"
+        raise SubsetError(found, "give both the same type: 0.0, not 0, beside a float")
 
 
 def at_run_time(value: Value) -> Value:
@@ -245,17 +227,10 @@ def as_group(value: Value) -> Value:
 
 
 def known_objects(values: Iterable[Value]) -> list[Any] | None:
-    """Return the objects of static values and of tuples of these; None if one is not known."""
-    found: list[Any] = []
-    for each in values:
-        if isinstance(each, Static):
-            found.append(each.object)
-        elif isinstance(each, Group) and (items := known_objects(each.items)) is not None:
-            plain = each.made_by is None or is_iterator(each)
-            found.append(tuple(items) if plain else each.made_by(*items))  # type: ignore[misc]
-        else:
-            return None
-    return found
+    """Return the objects of static values; None if one is not static."""
+    listed = [*values]
+    known = [each.object for each in listed if isinstance(each, Static)]
+    return known if len(known) == len(listed) else None
 
 
 def _is_numeric(known: Any) -> bool:
@@ -266,9 +241,14 @@ def in_words(type_: Type) -> str:
     """Return a type as an error names it."""
     if isinstance(type_, Number):
         return {DOUBLE: "a float", INTEGER: "an int", BOOLEAN: "a bool"}[type_.kind]
+    if is_iterator(type_):
+        return "an iterator"
     if isinstance(type_, Group):
         name = f" {type_.made_by.__name__}" if type_.made_by else ""
-        return "an iterator" if is_iterator(type_) else f"a tuple{name} of {len(type_.items)}"
+        is_short = len(type_.items) <= _MOST_LISTED
+        items = ", ".join(map(in_words, type_.items)) if is_short else len(type_.items)
+        return f"a tuple{name} of {items or 'nothing'}"
     if isinstance(type_, Array):
         return f"an array of {len(type_.lengths)} dimensions"
-    return f"the object {getattr(type_.object, '__name__', type_.object)!r}"
+    kind = "number" if is_number(type_.object) else "object"
+    return f"the {kind} {getattr(type_.object, '__name__', type_.object)!r}"

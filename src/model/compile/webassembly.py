@@ -14,8 +14,8 @@ from model.compile.module import Key, Module
 
 _TRIPLE = "wasm32-unknown-unknown"
 _FEATURES = "+bulk-memory,+nontrapping-fptoint,+sign-ext,+mutable-globals,+simd128"
-_STACK = 1 << 16  # bytes
-_CUSTOM, _EXPORT, _START, _DATA = 0, 7, 8, 11  # sections of a module
+_STACK = _PAGE = 1 << 16  # bytes
+_CUSTOM, _IMPORT, _EXPORT = 0, 2, 7  # sections of a module
 
 
 class WebAssembly(NamedTuple):
@@ -40,15 +40,16 @@ def web_assembly_of(key: Key) -> WebAssembly:
     machine = llvm.Target.from_triple(_TRIPLE).create_target_machine(
         cpu="generic", features=_FEATURES, opt=3, reloc="static", codemodel="default"
     )
-    *vectors, entry = Module(key, None, is_entry=True).linked()
     context = llvm.create_context()
-    module = optimised(entry.text(), machine, is_finished=False, context=context)
-    for each in vectors:
-        module.link_in(optimised(each.text(), machine, is_finished=True, context=context))
-    for each in module.functions:
-        if not each.is_declaration and each.name != entry.name:
-            each.linkage = "internal"
-    return _linked(machine.emit_object(module), entry.name, "run")
+    module = llvm.parse_assembly("", context)
+    *_, entry = parts = [*Module(key, None, is_entry=True).linked()]
+    for each in parts:
+        module.link_in(optimised(each.text(), machine, each.is_vector, context))
+    defined = [each for each in module.functions if not each.is_declaration]
+    for function in defined:
+        function.linkage = "external" if function.name == entry.name else "internal"
+    place = [each.name for each in defined].index(entry.name)
+    return _linked(machine.emit_object(module), place)
 
 
 # --- From LLVM's object to a module -------------------------------------------------------------
@@ -97,56 +98,32 @@ def _sections(data: bytes) -> Iterator[tuple[int, bytes]]:
         yield kind, read.text()
 
 
-def _linked(data: bytes, name: str, exported: str) -> WebAssembly:
-    """Add the export to LLVM's object, and drop what only a linker reads."""
-    sections = list(_sections(data))
-    custom = (body for kind, body in sections if kind == _CUSTOM)
-    symbols = next(_symbols(body) for body in custom if body[1:].startswith(b"linking"))
-    label = exported.encode()
-    export = _number(1) + _number(len(label)) + label + b"\0" + _number(symbols[name.encode()])
-    kept = [(kind, body) for kind, body in sections if kind != _CUSTOM]
-    place = next(n for n, (kind, _) in enumerate(kept) if kind >= _START)
-    kept.insert(place, (_EXPORT, export))
-    used = next((_end_of_data(body) for kind, body in kept if kind == _DATA), 0)
-    stack = -(-(used + _STACK) // 64) * 64
-    written = (bytes([kind]) + _number(len(body)) + body for kind, body in kept)
-    return WebAssembly(data[:8] + b"".join(written), stack)
+def _linked(data: bytes, function: int) -> WebAssembly:
+    """Add the export of a function to LLVM's object, and drop what only a linker reads."""
+    sections = [(kind, body) for kind, body in _sections(data) if kind != _CUSTOM]
+    imported, pages = _imports(dict(sections)[_IMPORT])
+    place = next(n for n, (kind, _) in enumerate(sections) if kind > _EXPORT)
+    sections.insert(place, (_EXPORT, b"\x01\x03run\0" + _number(imported + function)))
+    written = (bytes([kind]) + _number(len(body)) + body for kind, body in sections)
+    return WebAssembly(data[:8] + b"".join(written), pages * _PAGE + _STACK)
 
 
-def _symbols(body: bytes) -> dict[bytes, int]:
-    """Return the indices of the defined functions by name, from the section for the linker."""
-    read, found = _Bytes(body), {}
-    read.text()
-    read.number()  # version
-    while read.at < len(body):
-        kind, size = read.byte(), read.number()
-        end = read.at + size
-        if kind == 8:  # the table of symbols
-            for _ in range(read.number()):
-                what, flags = read.byte(), read.number()
-                undefined = flags & 0x10
-                if what == 1:  # data
-                    read.text()
-                    if not undefined:
-                        _ = read.number(), read.number(), read.number()
-                elif what == 3:  # a section
-                    read.number()
-                else:
-                    index = read.number()
-                    named = read.text() if not undefined or flags & 0x40 else b""
-                    if what == 0 and not undefined:
-                        found[named] = index
-        read.at = end
-    return found
-
-
-def _end_of_data(body: bytes) -> int:
-    """Return the end of the last segment of the data section, in bytes."""
-    read, end = _Bytes(body), 0
+def _imports(body: bytes) -> tuple[int, int]:
+    """Return how many functions are imported, and the pages of memory that hold the data."""
+    read, functions, pages = _Bytes(body), 0, 0
     for _ in range(read.number()):
-        read.number()  # active, in memory 0
-        read.byte()  # i32.const
-        offset = read.number()
-        read.byte()  # end
-        end = max(end, offset + len(read.text()))
-    return end
+        read.text()  # module
+        read.text()  # name
+        kind = read.byte()
+        if kind == 0:  # a function
+            functions += 1
+            read.number()
+        elif kind == 3:  # a variable, and whether it changes
+            read.text(2)
+        else:  # memory, or a table after the kind of its elements
+            read.text(1 if kind == 1 else 0)
+            has_most, least = read.byte() & 1, read.number()
+            pages = least if kind == 2 else pages
+            if has_most:
+                read.number()
+    return functions, pages
