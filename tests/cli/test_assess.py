@@ -45,8 +45,11 @@ def test_a_device_in_si_units_is_assessed_in_si_units(capsys, monkeypatch):
     assert lines[1] == words
     assert lines[2].split() == ["starts", "goes", "in", "from", "32", "of", "32", "starts"]
     assert re.fullmatch(r"alignment time  [\d.]+ to [\d.]+ ms, by the start", lines[3])
-    assert re.match(r"lift-offs       0 to 1; touches down at up to [\d.]+ mm/s", lines[4])
-    assert re.fullmatch(r"at most +contact force [\d.]+ N, tilt .*, over all starts", lines[5])
+    assert re.fullmatch(r"inserted after  [\d.]+ to [\d.]+ ms", lines[4])
+    assert re.match(r"lift-offs       0 to 1; touches down at up to [\d.]+ mm/s", lines[5])
+    assert re.fullmatch(r"at most +contact force [\d.]+ N, tilt .*, over all starts", lines[6])
+    places = r"edge [\d.]+ N, corner 0 N, side [\d.]+ N, wall [\d.]+ N, until inserted"
+    assert re.fullmatch(rf"  of the force  {places}", lines[7])
     force = next(line for line in lines if line.startswith("  press_force"))
     assert force.endswith("its value 10 N")
 
@@ -81,8 +84,11 @@ def test_a_failing_start_is_named_with_a_remedy(capsys):
     assert lines[1].startswith("verdict         not reliable at the stated values; ")
     assert lines[2] == "starts          goes in from 0 of 32 starts"
     example = next(i for i, line in enumerate(lines) if line.startswith("for example"))
-    assert lines[example].startswith("for example     phase = 0, initial_tilt = 0.001: ")
-    assert lines[example + 1].startswith(("reliable instead", "what to do"))
+    assert lines[example] == "for example     phase = 0, initial_tilt = 0.001"
+    assert lines[example + 1].startswith(
+        "cause           it topples or jumps off: the tilt reached"
+    )
+    assert lines[example + 2].startswith("first to change ")
 
 
 @pytest.mark.usefixtures("_no_leeways")
@@ -100,7 +106,8 @@ def test_the_yield_of_a_device_that_goes_in_from_no_start_is_said_by_few_devices
     shown = lines[next(i for i, line in enumerate(lines) if line.startswith("yield")) :]
     share = share.replace("yield", "yield          ")
     assert shown[0].startswith(f"{share}: 0 of 256 devices")
-    assert [line.split("  ")[0] for line in shown[1:]] == ["contact force", "fails nearest"]
+    names = [line.strip().split("  ")[0] for line in shown[1:]]
+    assert names == ["contact force", "at most", "fails nearest"]
     assert shown[-1].endswith("the device itself is not reliable")
 
 

@@ -52,7 +52,8 @@ def test_devices_are_drawn_within_their_tolerances():
 def test_sobol_indices_of_the_ishigami_function():
     # T. Ishigami, T. Homma, 1990: sin x1 + 7 sin² x2 + 0.1 x3⁴ sin x1 on (-π, π)³
     x1, x2, x3 = np.moveaxis(np.pi * (2.0 * sobol_cubes(3, 4096, seed=1) - 1.0), -1, 0)
-    first, total = sobol_indices(np.sin(x1) + 7.0 * np.sin(x2) ** 2 + 0.1 * x3**4 * np.sin(x1))
+    found = sobol_indices(np.sin(x1) + 7.0 * np.sin(x2) ** 2 + 0.1 * x3**4 * np.sin(x1))
+    first, total = found[..., 0]
     a, b = 7.0, 0.1
     alone = 0.5 * (1.0 + b * np.pi**4 / 5.0) ** 2, a**2 / 8.0, 0.0
     mixed = b**2 * np.pi**8 * (1.0 / 18.0 - 1.0 / 50.0)
@@ -60,8 +61,12 @@ def test_sobol_indices_of_the_ishigami_function():
     assert first == pytest.approx(np.array(alone) / variance, abs=0.02)
     shares = np.array([alone[0] + mixed, alone[1], mixed]) / variance
     assert total == pytest.approx(shares, abs=0.02)
-    assert np.isnan(sobol_indices(np.ones((5, 8)))[0]).all()
-    assert sobol_indices(np.arange(24.0).reshape(3, 8))[1].tolist() == [1.0]
+    exact = np.array([np.array(alone) / variance, shares])
+    inside = (found[..., 1] <= exact + 1e-3) & (exact - 1e-3 <= found[..., 2])
+    assert inside.sum() >= 5  # of six intervals of 95 %
+    assert (found[..., 2] - found[..., 1] < 0.1).all()
+    assert np.isnan(sobol_indices(np.ones((5, 8)))).all()
+    assert sobol_indices(np.arange(24.0).reshape(3, 8))[..., 0].tolist() == [[1.0], [1.0]]
 
 
 def test_the_interval_of_a_share_is_wilsons():
@@ -75,8 +80,10 @@ def oracle(monkeypatch, fails):
         count = len(next(iter(values.values())))
         bad = fails(values)
         times = np.where(bad, np.nan, 0.1 + np.arange(count))
-        failing = np.where(bad, 1, -1)
-        return DeviceResults(values, ~bad, times, times[:, None], times, times, failing)
+        failing, inside = np.where(bad, 1, -1), np.zeros(count, bool)
+        return DeviceResults(
+            values, ~bad, times, times[:, None], times, times, failing, {}, inside, times
+        )
 
     monkeypatch.setattr(yields, "run_devices", run)
 
@@ -101,7 +108,10 @@ def test_the_nearest_device_that_fails_is_by_its_largest_deviation_in_tolerances
     }
     goes_in, none = np.array([True, False, False, False]), np.zeros(4)
     failing = np.array([-1, 0, 2, 1])
-    known = DeviceResults(values, goes_in, none, none[:, None], none, none, failing)
+    inside = np.zeros(4, bool)
+    known = DeviceResults(
+        values, goes_in, none, none[:, None], none, none, failing, {}, inside, none
+    )
     found = nearest_failing(stated, known, STARTS)
     assert found.quantities == {"friction": 0.17, "press_force": 11.8}
     assert found.distance == pytest.approx(0.6)

@@ -50,9 +50,12 @@ FROZEN = {
     "model.reliable_at": "device settings cores quantities",
     "model.device.yields.yield_of": "stated starts settings cores devices seed indices",
     "model.device.yields.Yield": """
-        devices going_in low high time force runs sobol_indices confidence
+        devices going_in low high time force runs sobol_indices inside forces insertion
+        confidence
     """,
-    "model.device.yields.DeviceResults": "values goes_in time times force tilt failing",
+    "model.device.yields.DeviceResults": """
+        values goes_in time times force tilt failing forces inside insertion
+    """,
     "model.Variants": """
         normal_sign friction_law contact_damping_law side_gap side_force preload
         alignment_criterion moment_arms

@@ -3,7 +3,7 @@
 import argparse
 import os
 import shlex
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, astuple, replace
 from functools import partial
 from pathlib import Path
@@ -21,11 +21,10 @@ from model.cli.files import check_file, check_picture
 from model.cli.progress import ProgressLine
 from model.cli.simulate import unvibrated_record
 from model.cli.tables import in_columns, print_json
-from model.events.outcomes import SUCCESS_TEXT
+from model.events.outcomes import SUCCESS_TEXT, Outcome
 from model.physics.parameters import Parameters
 from model.physics.quantities import ANGLE, FORCE, SPEED, STIFFNESS, TIME
 from model.physics.units import Units
-from model.runs.simulate import simulate
 from model.runs.unvibrated import unvibrated_words
 from model.show import si
 from model.show.assumptions import assumptions, lines_of, source_words
@@ -37,9 +36,10 @@ if TYPE_CHECKING:
     from model.device.leeways import Leeway, Nearest
     from model.device.yields import FailingDevice, Yield
     from model.runs.settings import Settings
-    from model.sweeps.settings import Ensemble
+    from model.sweeps.starts import Starts
 
 _line = "{:<16}{}".format
+_WIDEST = 0.5  # interval of a Sobol' index that is printed
 _FEW = 256  # devices drawn where the stated device goes in from no start: the yield is low
 
 
@@ -52,7 +52,7 @@ def add(commands: Any) -> None:
         "assess the reliability and speed of a device, its leeways and its yield",
         ". A reliable device goes in (or aligns, with --scene alignment) from every phase of the "
         "excitation and initial tilt that the study tries; if its file states no base, on bases of "
-        "100 to 1,000,000 times its axial stiffness as well. Each parameter is then varied, the "
+        "100 times its axial stiffness up to that of steel as well. Each parameter is varied, the "
         "others held, by up to a factor of four or until the device is not reliable. If the file "
         "states tolerances, devices are drawn within them: their yield, and what is to blame for "
         "failures.",
@@ -82,6 +82,7 @@ def _assess(arguments: argparse.Namespace) -> int:
             raise ValueError("--sheet needs --device FILE")
     announce_compilation()
     from model.device.assess import assess  # noqa: PLC0415  (only this command)
+    from model.device.cases import cases_of  # noqa: PLC0415
 
     ensemble, cores = given.study.maps.ensemble, os.cpu_count() or 1
     drawn, nearest = None, None
@@ -90,9 +91,14 @@ def _assess(arguments: argparse.Namespace) -> int:
         result = assess(stated or device, settings, ensemble, cores, bases=arguments.bases)
         if stated is not None and stated.tolerances:
             line.begin("devices within the tolerances")
-            drawn, nearest = _drawn(result, stated, ensemble, settings, cores, devices)
+            cases = cases_of(stated, ensemble)
+            drawn, nearest = _drawn(result, stated, cases, settings, cores, devices)
     met = drawn is None or required is None or drawn.low >= required
     assumed = assumptions(device, settings, stated, ensemble)
+    if stated is not None and not stated.base_is_stated:
+        assumed["base"] = (
+            f"worst of {len(result.bases)} that are tried, this one first: " + (assumed["base"])
+        )
     verdict = headline(result, drawn)
     if arguments.json:
         print_json(
@@ -108,7 +114,7 @@ def _assess(arguments: argparse.Namespace) -> int:
     source = "the study's, dimensionless (no --device)"
     if stated is not None:
         source = source_words(stated)
-    groups = {"Verdict": _verdict(result, units, stated, device, settings)}
+    groups = {"Verdict": _verdict(result, units, device, settings)}
     value = partial(_value, stated=stated, units=units)
     groups["Leeways"] = [*_advice(result, value), *_varied(result, value)]
     if drawn is not None and stated is not None:
@@ -165,7 +171,7 @@ def _required(
 def _drawn(
     result: "Assessment",
     stated: "StatedDevice",
-    ensemble: "Ensemble",
+    cases: "Starts",
     settings: "Settings",
     cores: int,
     devices: int,
@@ -173,33 +179,34 @@ def _drawn(
     """Return the yield of a device, and the nearest drawn device that fails."""
     from model.device import yields  # noqa: PLC0415  (scipy)
     from model.device.reliability import STATISTICAL_TOLERANCE  # noqa: PLC0415
-    from model.sweeps.starts import starts_of  # noqa: PLC0415
 
     settings = replace(settings, tolerance=max(settings.tolerance, STATISTICAL_TOLERANCE))
-    starts = starts_of(stated.device.parameters, ensemble)
     if not result.aligned:
         devices = min(devices, _FEW)
-    drawn, results = yields.yield_of(stated, starts, settings, cores, devices=devices)
+    drawn, results = yields.yield_of(stated, cases, settings, cores, devices=devices)
     if result.failing_start is not None:
         return drawn, None
-    return drawn, yields.nearest_failing(stated, results, starts)
+    return drawn, yields.nearest_failing(stated, results, cases)
 
 
 def _verdict(
     result: "Assessment",
     units: Units | None,
-    stated: "StatedDevice | None",
     device: Parameters,
     settings: "Settings",
 ) -> list[str]:
     verb = SUCCESS_TEXT[settings.success]
     starts = f"{verb} from {result.aligned} of {result.starts} starts"
-    if result.bases and stated is not None and not stated.base_is_stated:
-        starts += ", on a base of 100 times the axial stiffness"
+    together = result.starts == sum(base.starts for base in result.bases)  # none is stated
+    if together:
+        starts += f", on {len(result.bases)} bases together"
     lines = [_line("starts", starts)]
     if result.aligned:
+        by = "by start and base" if together else "by the start"
         times = si.range_words(result.tau_best, result.tau_worst, TIME, units)
-        lines.append(_line("alignment time", f"{times}, by the start"))
+        lines.append(_line("alignment time", f"{times}, {by}"))
+        if result.inserted[0] == result.inserted[0]:  # no NaN
+            lines.append(_line("inserted after", si.range_words(*result.inserted, TIME, units)))
     fewest, most = result.separations
     hops = f"{fewest} to {most}" if fewest != most else str(fewest)
     if most:
@@ -210,20 +217,32 @@ def _verdict(
     force = si.in_words(result.contact_force_max, FORCE, units)
     tilt = si.in_words(result.tilt_max, ANGLE, units)
     lines.append(_line("at most", f"contact force {force}, tilt {tilt}, over all starts"))
+    at_places = {n: si.in_words(each, FORCE, units) for n, each in result.forces.items()}
+    lines.append(_line("  of the force", f"{_listed(at_places)}, {until(settings)}"))
     if result.bases:
         head = f"contact stiffness, impact, starts from which it {verb}, alignment time:"
         lines += [head, *in_columns([_base_row(base, units) for base in result.bases])]
         lines.append(_line("stiff bases", _stiff_bases(result, units)))
     lines += [si.natural_words(device, units), unvibrated_words(device, settings)]
     if result.failing_start is not None:
-        run = simulate(device.replace(**result.failing_start), settings)
         start = ", ".join(f"{name} = {value:.4g}" for name, value in result.failing_start.items())
-        lines.append(_line("for example", f"{start}: {run.message}"))
+        lines += [_line("for example", start), _line("cause", result.cause)]
     return lines
 
 
+def until(settings: "Settings") -> str:
+    """Return in words until when forces are known."""
+    if settings.success is Outcome.INSERTED:
+        return "until inserted"
+    return "until alignment: --scene insertion for those in the hole"
+
+
+def _listed(words: Mapping[str, str]) -> str:
+    return ", ".join(f"{name} {each}" for name, each in words.items())
+
+
 def _base_row(base: "BaseVerdict", units: Units | None) -> tuple[str, ...]:
-    impact = "damping as stated"
+    impact = "its own damping"
     if base.restitution is not None:
         impact = f"restitution {base.restitution:g}"
     times = si.range_words(base.tau_best, base.tau_worst, TIME, units) if base.aligned else "-"
@@ -244,17 +263,21 @@ def _stiff_bases(result: "Assessment", units: Units | None) -> str:
         return "the verdict still changes at the stiffest"
     return (
         f"the verdict does not change {decided}; the time changes by "
-        f"{100.0 * result.last_change:.2g} % over the last decade"
+        f"{100.0 * result.last_change:.2g} % over the last step of stiffness"
     )
 
 
 def _advice(result: "Assessment", value: Callable[[str, float], str]) -> list[str]:
     if result.failing_start is None:
         return []
+    lines = []
+    if result.change:
+        words = " and ".join(f"{name} to {value(name, v)}" for name, v in result.change.items())
+        lines = [_line("first to change", f"{words}: with it, it is reliable (tried)")]
     if not result.nearest:
-        words = "no single parameter makes it reliable within a factor of four: change two (map)"
-        return [_line("what to do", words)]
-    lines = ["reliable instead, one parameter at a time, with"]
+        words = "no single parameter makes it reliable within a factor of four"
+        return [*lines, words if lines else f"{words}, nor do two of those tried"]
+    lines.append("reliable instead, one parameter at a time, with")
     return lines + in_columns([_nearest_row(each, value) for each in result.nearest])
 
 
@@ -271,6 +294,8 @@ def _leeway_row(leeway: "Leeway", words: Callable[[str, float], str]) -> tuple[s
     )
     low += "" if leeway.bounded_below else " or less"
     high += "" if leeway.bounded_above else " or more"
+    low += " (by the horizon)" * leeway.late_below
+    high += " (by the horizon)" * leeway.late_above
     return leeway.parameter, f"from {low}", f"to {high}", f"its value {own}"
 
 
@@ -302,18 +327,33 @@ def _yield_report(
 ) -> list[str]:
     words = f"{_yield_words(drawn)}: {drawn.going_in} of {drawn.devices} "
     words += "devices within the tolerances go in from every start"
+    words += "" if stated.base_is_stated else ", on every base"
     lines = [_line("yield", words)]
+    if drawn.inside:
+        words = f"{drawn.inside} more start inside the hole, and are not counted"
+        lines.append(_line("inside", f"{words}: the method does nothing for them"))
     if required is not None:
         word = "met" if drawn.low >= required else "not met"
         lines.append(_line("required", f"{100.0 * required:.4g} %: {word}"))
     times = [("alignment time", drawn.time, TIME, si.DIGITS)] if drawn.going_in else []
+    if drawn.insertion[0] == drawn.insertion[0]:  # no NaN
+        times.append(("inserted after", drawn.insertion, TIME, si.DIGITS))
     # At the tolerance of these runs one in a thousand forces is off by 5 % (docs/measurements.md).
     for name, values, quantity, digits in (*times, ("contact force", drawn.force, FORCE, 2)):
-        lines.append(_line(name, f"{si.si_list(values, quantity, digits=digits)} (5, 50, 95 %)"))
+        if values[0] == values[0]:
+            listed = si.si_list(values, quantity, digits=digits)
+            lines.append(_line(name, f"{listed} (5, 50, 95 %)"))
+    if drawn.forces:
+        largest = {name: f"{si.si_words(each, FORCE)}" for name, each in drawn.forces.items()}
+        lines.append(_line("  at most", f"{_listed(largest)}, {until(settings)}"))
     if drawn.sobol_indices:
-        lines.append("to blame, Sobol' indices: first order and total, of failure and of time")
-        rows = [astuple(each) for each in drawn.sobol_indices]
-        lines += in_columns([(name, *map(_index, indices)) for name, *indices in rows])
+        lines.append(
+            "to blame, Sobol' indices: first order and total, of failure and of time, with their "
+            "intervals; wide: not known"
+        )
+        rows = [(each.quantity, *map(_index, astuple(each)[1:5], each.intervals))
+                for each in drawn.sobol_indices]  # fmt: skip
+        lines += in_columns(rows)
     if result.failing_start is not None:
         lines.append(_line("fails nearest", "the device itself is not reliable"))
     elif failing is None:
@@ -325,8 +365,11 @@ def _yield_report(
     return lines
 
 
-def _index(value: float) -> str:
-    return "-" if value != value else f"{value:.2f}"  # noqa: PLR0124 - NaN
+def _index(value: float, interval: tuple[float, float]) -> str:
+    low, high = interval
+    if value != value:  # noqa: PLR0124 - NaN
+        return "-"
+    return f"{value:.2f} ({low:.2f} to {high:.2f})" if high - low < _WIDEST else "wide"
 
 
 def _yield_record(
@@ -369,7 +412,10 @@ def _record(result: "Assessment", units: Units | None) -> dict[str, Any]:
             each[name] = time * each[name] if each["aligned"] else None
     for each in record["bases"]:
         each["contact_stiffness"] *= stiffness
-    record["contact_force_max"] *= si.scale(units, FORCE)
+    force = si.scale(units, FORCE)
+    record["contact_force_max"] *= force
+    record["forces"] = {name: force * each for name, each in record["forces"].items()}
+    record["inserted"] = [time * each for each in record["inserted"]]
     record["impact_speed"] = record["impact_speed"] * si.scale(units, SPEED) or None  # never lands
     if record["rigid_from"] is not None:
         record["rigid_from"] *= stiffness

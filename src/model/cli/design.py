@@ -100,17 +100,17 @@ def _design(arguments: argparse.Namespace) -> int:
 
 def _trials(arguments: argparse.Namespace, given: Inputs, seed: int) -> tuple["Trials", bool]:
     """Return the trials of the device's settings, and whether its tolerances are assumed."""
+    from model.device.cases import cases_of  # noqa: PLC0415
     from model.device.design import with_tolerances  # noqa: PLC0415  (as in _design)
     from model.device.design_trials import Trials  # noqa: PLC0415
     from model.device.yields import check_devices  # noqa: PLC0415
-    from model.sweeps.starts import starts_of  # noqa: PLC0415
 
     assert given.stated is not None  # noqa: S101  (--device is given)
     stated, devices = (
         with_tolerances(given.stated),
         check_devices(number("devices", arguments.devices)),
     )
-    starts = starts_of(given.parameters, given.study.maps.ensemble)
+    starts = cases_of(stated, given.study.maps.ensemble)
     trials = Trials(stated, starts, given.settings, os.cpu_count() or 1, seed, devices)
     return trials, stated is not given.stated
 

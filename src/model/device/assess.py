@@ -1,43 +1,42 @@
-"""Assess a device: success from every start and on other bases, and leeways of its parameters.
+"""Assess a device: success in every case, leeways of its parameters, and why it fails.
 
-Phase and tilt at touch-down cannot be controlled: a *reliable* device succeeds from every start
-(starts.py). Success is to align in the alignment scene, and to go in in the insertion scene.
-Where the base is not stated, bases of several stiffnesses are tried, each with a low and a high
-coefficient of restitution.
+Phase and tilt at touch-down cannot be controlled, and a base that is not stated is not known: a
+*reliable* device succeeds from every start, on every base that is tried (cases.py). Success is to
+align in the alignment scene, and to go in in the insertion scene.
 """
 
 import itertools
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from model.device import StatedDevice
 from model.device.batches import Values
-from model.device.leeways import Leeway, Nearest, leeways, nearest
-from model.device.reliability import are_reliable
+from model.device.cases import OF_BASE, cases_of, on_bases, parameters_in, stated_case
+from model.device.causes import cause_of, first_change
+from model.device.leeways import Leeway, Nearest, leeways, nearest, together
+from model.device.reliability import FORCES, are_late, are_reliable, from_every_start
 from model.physics.parameters import Batch, Parameters
 from model.runs.settings import Settings
 from model.runs.simulate import Trajectory, simulate_once
 from model.sweeps.settings import Ensemble
-from model.sweeps.starts import Starts, every_start, starts_of
+from model.sweeps.starts import Starts
 
-DECADES = (1e2, 1e3, 1e4, 1e5, 1e6)  # contact stiffness over axial stiffness
-RESTITUTIONS = (0.3, 0.8)  # tried where no impact is stated
-_BASE_STARTS = 4  # every fourth start is tried on a base
-_HOPPING = 8  # number of starts whose touch-downs are examined
+_HOPPING = 8  # number of cases whose touch-downs are examined
 _SAME_TIME = 0.02  # relative difference below which two times count as equal
+_PAIRED = "press_force", "tilt_stiffness", "friction", "amplitude"  # changed two together
 
 
 @dataclass(frozen=True)
 class BaseVerdict:
-    """Results of a device on one base, from every start; dimensionless.
+    """Results of a device on one base; dimensionless.
 
     Attributes:
         contact_stiffness: contact stiffness over axial stiffness.
-        restitution: coefficient of restitution; None where the device states the damping.
+        restitution: coefficient of restitution; None where the damping is the device's own.
         starts: number of starts.
         aligned: number of starts from which the device succeeds.
         tau_best, tau_worst: shortest and longest alignment time of these, NaN without any.
@@ -70,20 +69,26 @@ class BaseVerdict:
 
 @dataclass(frozen=True)
 class Assessment:
-    """Results of a device from every start and on its bases, dimensionless, and its leeways.
+    """Results of a device in every case, dimensionless, and its leeways.
 
     Attributes:
-        starts: number of starts.
-        aligned: number of starts from which the device succeeds.
+        starts: number of cases: starts, on each of the bases if bases are tried.
+        aligned: number of cases in which the device succeeds.
         tau_best, tau_worst: shortest and longest alignment time of these, NaN without any.
-        failing_start: the first start from which the device does not succeed, or None.
-        contact_force_max, tilt_max: largest value over all starts.
-        separations: smallest and largest number of lift-offs over all starts.
-        impact_speed: largest closing rate at a touch-down, of the eight starts that lift off most.
+        failing_start: the first case in which the device does not succeed, or None; in SI units
+            for a device of a file, with stiffness and restitution of the base if it is not its own.
+        contact_force_max, tilt_max: largest value over all cases, the force at any place.
+        separations: smallest and largest number of lift-offs over all cases.
+        impact_speed: largest closing rate at a touch-down, of the eight cases that lift off most.
         leeways: of the values in ``VARIED`` that are not 0, in SI units for a device of a file;
-            empty if a start fails.
-        nearest: nearest reliable values of these; empty if no start fails.
-        bases: verdicts on other bases; empty if none was tried.
+            empty if a case fails.
+        nearest: nearest reliable values of these; empty if no case fails.
+        bases: verdicts on the bases; empty if the base is stated.
+        forces: largest force over all cases by the place of contact.
+        inserted: shortest and longest time until inserted, NaN without any.
+        cause: why the failing case fails, in words; empty if none fails.
+        change: the first change that makes it reliable, tried: values of one parameter or two, in
+            SI units for a device of a file; empty if none was found.
     """
 
     starts: int
@@ -98,6 +103,10 @@ class Assessment:
     leeways: tuple[Leeway, ...] = ()
     nearest: tuple[Nearest, ...] = ()
     bases: tuple[BaseVerdict, ...] = ()
+    forces: Mapping[str, float] = field(default_factory=dict)
+    inserted: tuple[float, float] = (math.nan, math.nan)
+    cause: str = ""
+    change: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def reliable(self) -> bool:
@@ -139,7 +148,8 @@ class Assessment:
         least = None
         for stiffness in sorted({each.contact_stiffness for each in self.bases}, reverse=True):
             for each in self.bases:
-                limit = [b for b in self.bases if b.restitution == each.restitution][-1]
+                like_it = [b for b in self.bases if b.restitution == each.restitution]
+                limit = like_it[-1] if len(like_it) > 1 else self.bases[-1]
                 if each.contact_stiffness == stiffness and not alike(each, limit):
                     return least
             least = stiffness
@@ -162,73 +172,97 @@ def assess(
         settings: settings of the runs.
         ensemble: the starts.
         cores: number of threads.
-        bases: try other bases of a device of a file, even if it states one.
-        vary: seek the leeways, or the nearest reliable values if a start fails.
+        bases: try bases of a device that states one as well; only ``bases`` are then of these.
+        vary: seek the leeways, or the nearest reliable values if a case fails.
     """
-    parameters = device.parameters if isinstance(device, StatedDevice) else device
-    starts = starts_of(parameters, ensemble)
-    results = every_start(Batch.stack([parameters]), starts, settings, cores)
-    aligned, tau = results["goes_in"][0], results["tau_align"][0]
-    failing = [start for start, aligns in zip(starts, aligned, strict=True) if not aligns]
-    hops = results["separations"][0]
-    hopping = [starts[i] for i in np.argsort(-hops, kind="stable")[:_HOPPING] if hops[i] > 0]
-    speeds = [impact_speed(simulate_once(parameters.replace(**s), settings)) for s in hopping]
+    cases, tried = cases_of(device, ensemble), cases_of(device, ensemble, bases=bases)
+    of = device.quantities if isinstance(device, StatedDevice) else device.given()
+    own = {"friction": np.array([of["friction"]])}
+    found, units = from_every_start(device, own, tried, settings, cores)
+    on_all = {name: column[0] for name, column in found.items()}
+    results = {name: column[: len(cases)] for name, column in on_all.items()}  # tried first
+    if isinstance(device, StatedDevice):
+        settings = device.run_settings(settings, units[0])
+    goes_in, tau, hops = results["goes_in"], results["tau_align"], results["separations"]
+    hopping = [i for i in np.argsort(-hops, kind="stable")[:_HOPPING] if hops[i] > 0]
+    runs = [simulate_once(parameters_in(device, cases[i]), settings) for i in hopping]
 
     def is_reliable(values: Values) -> NDArray[np.bool_]:
-        return are_reliable(device, values, starts, settings, cores)
+        return are_reliable(device, values, cases, settings, cores)
 
-    others: tuple[BaseVerdict, ...] = ()
-    if isinstance(device, StatedDevice) and (bases or not device.base_is_stated):
-        others = on_bases(device, starts, settings, cores)
-    return Assessment(
-        len(starts),
-        *_successes(aligned, tau),
-        failing_start=failing[0] if failing else None,
-        contact_force_max=float(np.fmax.reduce(results["contact_force_max"][0])),
-        tilt_max=float(np.fmax.reduce(results["tilt_max"][0])),
+    def is_late(values: Values) -> NDArray[np.bool_]:
+        return are_late(device, values, cases, settings, cores)
+
+    inserted = (tau + results["tau_inserted"])[goes_in]
+    result = Assessment(
+        len(cases),
+        *_successes(goes_in, tau),
+        failing_start=None,
+        contact_force_max=float(np.fmax.reduce(results["contact_force_max"])),
+        tilt_max=float(np.fmax.reduce(results["tilt_max"])),
         separations=(int(hops.min()), int(hops.max())),
-        impact_speed=max(speeds, default=0.0),
-        leeways=leeways(device, is_reliable) if vary and not failing else (),
-        nearest=nearest(device, is_reliable) if vary and failing else (),
-        bases=others,
+        impact_speed=max((impact_speed(run) for run in runs), default=0.0),
+        bases=_on_each_base(device, tried, on_all["goes_in"], on_all["tau_align"]),
+        forces={place: float(np.fmax.reduce(results[name])) for place, name in FORCES.items()},
+        inserted=_ends(inserted),
     )
+    held = _held(device, cases)
+    if goes_in.all():
+        return replace(result, leeways=leeways(device, is_reliable, is_late, held) if vary else ())
+    failing = cases[int(np.argmin(goes_in))]
+    cause = cause_of(simulate_once(parameters_in(device, failing), settings))
+    result = replace(result, failing_start=stated_case(device, failing), cause=cause.words)
+    if not vary:
+        return result
+    near = nearest(device, is_reliable, held)
+    change = first_change(cause, near) or together(device, is_reliable, _PAIRED)
+    return replace(result, nearest=near, change=change)
 
 
-def on_bases(
-    stated: StatedDevice, starts: Starts, settings: Settings, cores: int = 1
+def _held(device: Parameters | StatedDevice, cases: Starts) -> tuple[str, ...]:
+    """Return the parameters that the bases of the cases replace."""
+    if isinstance(device, Parameters) or OF_BASE[0] not in cases[0]:
+        return ()
+    own_damping = "contact_damping" in device.quantities
+    return ("contact_stiffness", *(() if own_damping else ("contact_damping",)))
+
+
+def _on_each_base(
+    device: Parameters | StatedDevice,
+    cases: Starts,
+    goes_in: NDArray[np.bool_],
+    tau: NDArray[np.float64],
 ) -> tuple[BaseVerdict, ...]:
-    """Return the verdicts on bases of every stiffness in ``DECADES``, the softest first.
-
-    The impact is as the device states it. Where it states none, ``RESTITUTIONS`` are tried in turn.
-    """
-    axial = stated.resolved({})["axial_stiffness"]
-    own = stated.quantities.get("restitution")
-    impacts: tuple[float | None, ...] = RESTITUTIONS if own is None else (own,)
-    if "contact_damping" in stated.quantities:
-        impacts = (None,)
-    tried = [(ratio, impact) for impact in impacts for ratio in DECADES]
-    devices = [
-        stated.at(
-            {"contact_stiffness": ratio * axial}
-            | ({} if impact is None else {"restitution": impact})
-        ).parameters
-        for ratio, impact in tried
-    ]
-    starts = starts[::_BASE_STARTS]
-    quick = replace(settings.quickest, tolerance=max(settings.tolerance, 1e-6))
-    results = every_start(Batch.stack(devices), starts, quick, cores)
-    runs = zip(tried, results["goes_in"], results["tau_align"], strict=True)
-    return tuple(
-        BaseVerdict(ratio, impact, len(starts), *_successes(aligned, tau))
-        for (ratio, impact), aligned, tau in runs
-    )
+    """Return the verdicts on the bases of the cases, the device's own first; empty without."""
+    if isinstance(device, Parameters) or OF_BASE[0] not in cases[0]:
+        return ()
+    one = Batch.stack([device.parameters])
+    stiffness = on_bases(one, [device.units], cases)["contact_stiffness"][0]
+    keys = [tuple(str(case[name]) for name in OF_BASE) for case in cases]
+    verdicts = []
+    for key in dict.fromkeys(keys):
+        rows = np.array([each == key for each in keys])
+        first = int(np.argmax(rows))
+        impact = cases[first]["restitution"]
+        verdicts.append(
+            BaseVerdict(
+                float(stiffness[first]),
+                None if math.isnan(impact) else impact,
+                int(rows.sum()),
+                *_successes(goes_in[rows], tau[rows]),
+            )
+        )
+    return tuple(verdicts)
 
 
 def _successes(aligned: NDArray[np.bool_], tau: NDArray[np.float64]) -> tuple[int, float, float]:
     """Return the number of successes, and their shortest and longest time, NaN without any."""
-    times = tau[aligned]
-    ends = (float(times.min()), float(times.max())) if times.size else (math.nan, math.nan)
-    return times.size, *ends
+    return int(aligned.sum()), *_ends(tau[aligned])
+
+
+def _ends(values: NDArray[np.float64]) -> tuple[float, float]:
+    """Return the smallest and the largest value, NaN without any."""
+    return (float(values.min()), float(values.max())) if values.size else (math.nan, math.nan)
 
 
 def impact_speed(run: Trajectory) -> float:

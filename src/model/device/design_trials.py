@@ -233,17 +233,16 @@ def _joined(parts: Sequence[DeviceResults], order: Ints | None = None) -> Device
 
     ``times`` holds the longest time of a device only, shape (n, 1).
     """
-    rows: Any = slice(None) if order is None else order
-    columns = {
-        each.name: np.concatenate([getattr(part, each.name) for part in parts])[rows]
-        for each in fields(DeviceResults)
-        if each.name not in ("values", "times")
-    }
-    values = {
-        name: np.concatenate([part.values[name] for part in parts])[rows]
-        for name in parts[0].values
-    }
-    return DeviceResults(values=values, times=columns["time"][:, None], **columns)
+
+    def join(name: str) -> Any:
+        columns = [getattr(part, name) for part in parts]
+        if isinstance(columns[0], Mapping):
+            return {key: np.concatenate([each[key] for each in columns]) for key in columns[0]}
+        return np.concatenate(columns)
+
+    names = [each.name for each in fields(DeviceResults) if each.name != "times"]
+    whole = DeviceResults(times=join("time")[:, None], **{name: join(name) for name in names})
+    return whole if order is None else whole[order]
 
 
 def _keep_on_edge(stated: StatedDevice, values: dict[str, Floats]) -> None:

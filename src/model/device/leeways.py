@@ -1,13 +1,16 @@
 """Leeways of a device: ranges in which it stays reliable, one parameter at a time.
 
 Each parameter is scanned from its value, downwards and upwards, in steps of one ratio, all in one
-batch. A second batch divides the step in which the verdict changes, so that the end of the range is
-known to ``FINEST``. The same scan finds the nearest reliable values of a device that is not
+batch. A second batch divides the step in which the verdict changes and the one before, so that the
+end of the range is known to ``FINEST``. Values are tried with the digits that are printed. The same
+scan finds the nearest reliable values of a device that is not
 reliable. The values of a device that its file states are in SI units. Its mass, axial stiffness and
 amplitude, which are the units of its dimensionless parameters, are scanned as well.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+import itertools
+import math
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -24,10 +27,13 @@ VARIED = (
 )  # fmt: skip
 STEP = 2.0 ** (1.0 / 12.0)  # ratio of neighbouring values, 6 %
 STEPS = 24  # steps of a scan: from a quarter to four times the value
-PARTS = 16  # of the step in which the verdict changes
-FINEST = STEP ** (1.0 / PARTS) - 1.0  # 0.4 %
+PARTS = 20  # of the step in which the verdict changes, and of the one before
+DIGITS = 4  # of the values
+FINEST = STEP ** (1.0 / PARTS) * (1.0 + 10.0 ** (1 - DIGITS)) - 1.0  # 0.4 %
+PAIRED = 13  # values of each of two parameters that are changed together
 
 Stated = Parameters | StatedDevice
+Names = Collection[str]
 IsReliable = Callable[[Mapping[str, np.ndarray]], np.ndarray]
 """Takes parameters that vary together, shape (n,) each; returns where the device is reliable."""
 
@@ -42,6 +48,8 @@ class Leeway:
         low, high: smallest and largest value such that all values tried between are reliable.
         bounded_below, bounded_above: True if a value at most ``FINEST`` beyond was tried and is not
             reliable; False if the scan ends there, after ``STEPS`` or at the parameter's bound.
+        late_below, late_above: True if this value fails by the horizon only: a longer one may let
+            it go in.
     """
 
     parameter: str
@@ -50,6 +58,8 @@ class Leeway:
     high: float
     bounded_below: bool
     bounded_above: bool
+    late_below: bool = False
+    late_above: bool = False
 
 
 @dataclass(frozen=True)
@@ -84,21 +94,32 @@ class _End(NamedTuple):
     other: float | None
 
 
-def leeways(device: Stated, is_reliable: IsReliable) -> tuple[Leeway, ...]:
-    """Return the leeways of a reliable device."""
-    ends = _ends(device, is_reliable)
+def leeways(
+    device: Stated, is_reliable: IsReliable, is_late: IsReliable | None = None, held: Names = ()
+) -> tuple[Leeway, ...]:
+    """Return the leeways of a reliable device.
+
+    ``is_late`` tells where devices fail by the horizon only; ``held`` are not varied.
+    """
+    ends, late = _ends(device, is_reliable, held), []
+    beyond = [(each.parameter, each.other) for each in ends if each.other is not None]
+    if is_late is not None and beyond:
+        late = is_late(_swept(_own(device, held), beyond)).tolist()
+    found = iter(late or [False] * len(beyond))
+    hang = [each.other is not None and next(found) for each in ends]
     return tuple(
-        Leeway(d.parameter, d.value, d.alike, u.alike, d.other is not None, u.other is not None)
-        for d, u in zip(ends[::2], ends[1::2], strict=True)
-    )
+        Leeway(d.parameter, d.value, d.alike, u.alike, d.other is not None, u.other is not None,
+               *hang[2 * n : 2 * n + 2])
+        for n, (d, u) in enumerate(zip(ends[::2], ends[1::2], strict=True))
+    )  # fmt: skip
 
 
-def nearest(device: Stated, is_reliable: IsReliable) -> tuple[Nearest, ...]:
+def nearest(device: Stated, is_reliable: IsReliable, held: Names = ()) -> tuple[Nearest, ...]:
     """Return the nearest reliable values of a device that is not reliable, by parameter.
 
-    A parameter of which no value tried is reliable is left out.
+    A parameter of which no value tried is reliable is left out; ``held`` are not varied.
     """
-    ends = _ends(device, lambda values: ~is_reliable(values))
+    ends = _ends(device, lambda values: ~is_reliable(values), held)
     return tuple(
         Nearest(down.parameter, down.value, down.other, up.other)
         for down, up in zip(ends[::2], ends[1::2], strict=True)
@@ -106,9 +127,37 @@ def nearest(device: Stated, is_reliable: IsReliable) -> tuple[Nearest, ...]:
     )
 
 
-def _ends(device: Stated, are_alike: IsReliable) -> list[_End]:
-    """Return the end of the scan of each value that is not 0, downwards and upwards in turn."""
+def together(device: Stated, is_reliable: IsReliable, names: Names) -> dict[str, float]:
+    """Return the nearest reliable values of two of these parameters; empty if none is found.
+
+    Both are changed by up to the factor of a scan, the other parameters held.
+    """
     own = _own(device)
+    values = {
+        name: [own[name], *(v for ratio in (1.0 / STEP**4, STEP**4)
+                            for v in _values(device, name, own[name], ratio, PAIRED // 2)[1:])]
+        for name in dict.fromkeys(names) if own.get(name, 0.0) != 0.0
+    }  # fmt: skip
+    tried = [
+        {one: x, two: y}
+        for one, two in itertools.combinations(values, 2)
+        for x in values[one][1:]
+        for y in values[two][1:]
+    ]
+    if not tried:
+        return {}
+    swept = {name: np.array([each.get(name, own[name]) for each in tried]) for name in values}
+    good = [each for each, found in zip(tried, is_reliable(swept).tolist(), strict=True) if found]
+
+    def change(each: Mapping[str, float]) -> float:
+        return sum(math.log(value / own[name]) ** 2 for name, value in each.items())
+
+    return min(good, key=change, default={})
+
+
+def _ends(device: Stated, are_alike: IsReliable, held: Names) -> list[_End]:
+    """Return the end of the scan of each value that is not 0, downwards and upwards in turn."""
+    own = _own(device, held)
     scans = [
         (name, _values(device, name, value, ratio))
         for name, value in own.items()
@@ -117,7 +166,7 @@ def _ends(device: Stated, are_alike: IsReliable) -> list[_End]:
     ]
     known = _leading(own, scans, are_alike)
     parts = [
-        (name, np.geomspace(values[n - 1], values[n], PARTS + 1).tolist()[:-1])
+        (name, _divided(values[max(n - 2, 0) : n + 1]))
         for (name, values), n in zip(scans, known, strict=True)
         if n < len(values)
     ]
@@ -132,6 +181,16 @@ def _ends(device: Stated, are_alike: IsReliable) -> list[_End]:
     return ends
 
 
+def _divided(ends: Sequence[float]) -> list[float]:
+    """Return the first of two or three values, and ``PARTS`` values towards each next but one."""
+    parts = [np.geomspace(*pair, PARTS + 1)[1:] for pair in itertools.pairwise(ends)]
+    return [ends[0], *(_printed(value) for value in np.concatenate(parts)[:-1].tolist())]
+
+
+def _printed(value: float) -> float:
+    return float(f"{value:.{DIGITS}g}")
+
+
 def _leading(
     own: Mapping[str, float], scans: Sequence[tuple[str, list[float]]], are_alike: IsReliable
 ) -> list[int]:
@@ -139,27 +198,34 @@ def _leading(
     tried = [(name, value) for name, values in scans for value in values[1:]]
     if not tried:
         return [1] * len(scans)
-    swept = {
-        name: np.array([value if varied == name else own[name] for varied, value in tried])
-        for name in dict.fromkeys(name for name, _ in scans)
-    }
-    alike = iter(are_alike(swept).tolist())
+    names = dict.fromkeys(name for name, _ in scans)
+    alike = iter(are_alike(_swept({name: own[name] for name in names}, tried)).tolist())
     return [[True, *(next(alike) for _ in values[1:]), False].index(False) for _, values in scans]
 
 
-def _own(device: Stated) -> dict[str, float]:
+def _swept(own: Mapping[str, float], tried: Sequence[tuple[str, float]]) -> dict[str, np.ndarray]:
+    """Return the values of devices each of which has one value of its own."""
+    return {
+        name: np.array([value if varied == name else usual for varied, value in tried])
+        for name, usual in own.items()
+    }
+
+
+def _own(device: Stated, held: Names = ()) -> dict[str, float]:
     """Return the device's own values of what is varied, in SI units for a device of a file."""
     if isinstance(device, Parameters):
-        return {name: getattr(device, name) for name in VARIED}
+        return {name: getattr(device, name) for name in VARIED if name not in held}
     values = device.values
-    return {name: values[name] for name in (*UNITS, *VARIED)}
+    return {name: values[name] for name in (*UNITS, *VARIED) if name not in held}
 
 
-def _values(device: Stated, name: str, own: float, ratio: float) -> list[float]:
+def _values(
+    device: Stated, name: str, own: float, ratio: float, steps: int | None = None
+) -> list[float]:
     """Return the parameter's own value and the values of a scan that its rule admits."""
     values = [own]
-    for step in range(1, STEPS + 1):
-        value = own * ratio**step
+    for step in range(1, (steps or STEPS) + 1):
+        value = _printed(own * ratio**step)
         try:
             if isinstance(device, Parameters):
                 device.replace(**{name: value})

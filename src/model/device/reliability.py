@@ -1,11 +1,13 @@
-"""Reliability of devices, for all commands: does a device go in (or align) from every start?
+"""Reliability of devices, for all commands: does a device go in (or align) in every case?
 
-Phase and tilt at touch-down cannot be controlled: a *reliable* device goes in from every start
-(sweeps/starts.py). A device is dimensionless, or as its file states it; its values are then in SI
-units, and change as ``--set`` changes them.
+Phase and tilt at touch-down cannot be controlled, and a base that is not stated is not known: a
+*reliable* device goes in from every start, on every base that is tried (cases.py). A device is
+dimensionless, or as its file states it; its values are then in SI units, and change as ``--set``
+changes them.
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -13,31 +15,39 @@ from numpy.typing import ArrayLike, NDArray
 
 from model.device import StatedDevice
 from model.device.batches import Values, by_settings, devices_of, rows_of
+from model.device.cases import cases_of, on_bases
 from model.device.stated import QUANTITIES
 from model.events.insertion import INSERTION
+from model.events.outcomes import Outcome
+from model.events.table import PLACES_OF_CONTACT
 from model.physics.parameters import PARAMETER_NAMES, Parameters, check_name
 from model.physics.units import Units
 from model.runs.settings import Settings
 from model.sweeps.settings import Ensemble
-from model.sweeps.starts import Starts, every_start, starts_of
+from model.sweeps.starts import Starts, every_start
 
 Floats = NDArray[np.float64]
 STATISTICAL_TOLERANCE = 1e-6  # local error of a step; yields are the same as at 1e-10
-_FEW = 12  # every twelfth start is tried first: most failing devices fail from many starts
+FORCES = {place: f"{place}_force_max" for place in PLACES_OF_CONTACT}
+"""Results of a run that are the largest force at a place of contact, by the place."""
+_FEW = 12  # every twelfth case is tried first: most failing devices fail in many
 
 
 @dataclass(frozen=True)
 class DeviceResults:
-    """Results of n devices from every start, in SI units.
+    """Results of n devices in every case, in SI units.
 
     Attributes:
         values: quantities that differ between the devices, each of shape (n,).
-        goes_in: True if the part goes in from every start, shape (n,).
-        time: longest alignment time in s, NaN where it goes in from no start, shape (n,).
-        times: alignment times in s, NaN where it does not go in, shape (n, starts).
-        force: largest contact force in N, shape (n,).
+        goes_in: True if the part goes in in every case, shape (n,).
+        time: longest alignment time in s, NaN where it never goes in, shape (n,).
+        times: alignment times in s, NaN where it does not go in, shape (n, cases).
+        force: largest contact force at any place in N, until the end of the runs, shape (n,).
         tilt: largest tilt in rad, shape (n,).
-        failing: index of the first start that fails, -1 if none does, shape (n,).
+        failing: index of the first case that fails, -1 if none does, shape (n,).
+        forces: largest contact force in N by the place, each of shape (n,).
+        inside: True if the part starts inside the hole, shape (n,).
+        insertion: longest time until inserted in s, NaN as ``time`` or without, shape (n,).
     """
 
     values: Values
@@ -47,6 +57,19 @@ class DeviceResults:
     force: Floats
     tilt: Floats
     failing: NDArray[np.int64]
+    forces: Mapping[str, Floats]
+    inside: NDArray[np.bool_]
+    insertion: Floats
+
+    def __getitem__(self, rows: Any) -> "DeviceResults":
+        """Return the results of some devices, or of all in another order."""
+
+        def of(column: Any) -> Any:
+            if isinstance(column, Mapping):
+                return {name: each[rows] for name, each in column.items()}
+            return column[rows]
+
+        return DeviceResults(*(of(getattr(self, each.name)) for each in fields(self)))
 
 
 def from_every_start(
@@ -60,9 +83,11 @@ def from_every_start(
     devices, units = devices_of(device, values)
     if isinstance(device, Parameters):
         return every_start(devices, starts, settings, cores), units
-    results: dict[str, NDArray[Any]] = {}
+    bases, results = on_bases(devices, units, starts), dict[str, NDArray[Any]]()
     for own, rows in by_settings(device, settings, units).items():
-        for name, column in every_start(rows_of(devices, rows), starts, own, cores).items():
+        others = {name: column[rows] for name, column in bases.items()}
+        found = every_start(rows_of(devices, rows), starts, own, cores, others)
+        for name, column in found.items():
             whole = results.setdefault(name, np.empty((len(devices), len(starts)), column.dtype))
             whole[rows] = column
     return results, units
@@ -73,17 +98,23 @@ def run_devices(
 ) -> DeviceResults:
     """Run devices with these quantities (SI units, each of shape (n,)) from every start."""
     results, units = from_every_start(stated, values, starts, settings, cores)
-    goes_in = results["goes_in"]
-    times = np.where(goes_in, results["tau_align"], np.nan)
-    times = times * np.array([[each.time] for each in units])
+    goes_in, inside = results["goes_in"], (results["tau_align"] == 0.0).any(axis=1)
+    second = np.array([each.time for each in units])
+    newton = np.array([each.force for each in units])
+    counted = goes_in & ~inside[:, None]
+    times = np.where(counted, results["tau_align"], np.nan) * second[:, None]
+    inserted = np.where(counted, results["tau_align"] + results["tau_inserted"], np.nan)
     return DeviceResults(
         values=values,
         goes_in=np.logical_and.reduce(goes_in, axis=1),
         time=np.fmax.reduce(times, axis=1),
         times=times,
-        force=np.array([each.force for each in units]) * results["contact_force_max"].max(axis=1),
-        tilt=results["tilt_max"].max(axis=1),
+        force=newton * np.fmax.reduce(results["contact_force_max"], axis=1),
+        tilt=np.fmax.reduce(results["tilt_max"], axis=1),
         failing=np.where(goes_in.all(axis=1), -1, np.argmin(goes_in, axis=1)),
+        forces={n: newton * np.fmax.reduce(results[r], axis=1) for n, r in FORCES.items()},
+        inside=inside,
+        insertion=np.fmax.reduce(inserted, axis=1) * second,
     )
 
 
@@ -94,9 +125,9 @@ def are_reliable(
     settings: Settings,
     cores: int = 1,
 ) -> NDArray[np.bool_]:
-    """Return a mask of the devices that go in from all starts, shape (n,).
+    """Return a mask of the devices that go in in all cases, shape (n,).
 
-    Most starts are tried only where a few of them succeed.
+    Most cases are tried only where a few of them succeed.
     """
 
     def succeed(values: Values, starts: Starts) -> NDArray[np.bool_]:
@@ -111,6 +142,22 @@ def are_reliable(
     return reliable
 
 
+def are_late(
+    device: Parameters | StatedDevice,
+    values: Values,
+    starts: Starts,
+    settings: Settings,
+    cores: int = 1,
+) -> NDArray[np.bool_]:
+    """Return a mask of the devices that fail at most by the horizon, shape (n,).
+
+    A longer horizon may let them go in.
+    """
+    results, _ = from_every_start(device, values, starts, settings.quickest, cores)
+    late = results["outcome"] == Outcome.HORIZON_REACHED
+    return np.logical_and.reduce(results["goes_in"] | late, axis=1)
+
+
 def reliable_at(
     device: Parameters | StatedDevice,
     settings: Settings | None = None,
@@ -118,7 +165,7 @@ def reliable_at(
     cores: int = 1,
     **quantities: ArrayLike,
 ) -> NDArray[np.bool_]:
-    """Return where a device goes in from every start, shape (n,), as ``assess`` says.
+    """Return where a device goes in in every case, shape (n,), as ``assess`` says.
 
     Args:
         device: as ``load_device`` returns it, or dimensionless parameters.
@@ -140,4 +187,4 @@ def reliable_at(
     parameters = device.parameters if isinstance(device, StatedDevice) else device
     values = values or {"friction": np.array([parameters.friction])}
     settings = settings or Settings(scene=INSERTION)
-    return are_reliable(device, values, starts_of(parameters, Ensemble()), settings, cores)
+    return are_reliable(device, values, cases_of(device, Ensemble()), settings, cores)

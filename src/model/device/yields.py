@@ -1,19 +1,23 @@
-"""Yield of a device with tolerances: the share of devices that go in from every start.
+"""Yield of a device with tolerances: the share of devices that go in in every case.
 
 Devices are drawn as scrambled Sobol' points through the inverse of each quantity's distribution.
-The interval of the share is Wilson's for independent draws, wider than that of Sobol' points.
-Sobol' indices say how much of the variance of failure and of time is due to which tolerance.
+One that starts inside the hole needs no alignment: it is drawn, and not counted. The interval of
+the share is Wilson's for independent draws, wider than that of Sobol' points. Sobol' indices say
+how much of the variance of failure and of time is due to which tolerance; their interval is that
+of a bootstrap.
 """
 
 import math
+import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from scipy import stats
 
 from model.device import StatedDevice, Tolerance
+from model.device.cases import stated_case
 from model.device.reliability import DeviceResults, Floats, run_devices
 from model.physics.parameters import FIELDS
 from model.runs.settings import Settings
@@ -30,7 +34,8 @@ INDEX_STARTS = 4  # the indices take every fourth start
 class SobolIndices:
     """Sobol' indices of one quantity, of first order and total: of failure, and of time.
 
-    NaN where there is no variance: no device fails, or all do.
+    NaN where there is no variance: no device fails, or all do. ``intervals`` holds the ends of the
+    interval of each, in this order.
     """
 
     quantity: str
@@ -38,6 +43,7 @@ class SobolIndices:
     failure_total: float
     time: float
     time_total: float
+    intervals: tuple[tuple[float, float], ...] = ((math.nan, math.nan),) * 4
 
 
 @dataclass(frozen=True)
@@ -45,15 +51,18 @@ class Yield:
     """Yield of a device with tolerances; SI units.
 
     Attributes:
-        devices: number of devices drawn.
-        going_in: number of devices that go in from every start.
+        devices: number of devices drawn that start outside the hole.
+        going_in: number of these that go in in every case.
         low, high: interval of the share.
-        time: 5, 50 and 95 % quantiles of the alignment time over devices and starts.
-        force: 5, 50 and 95 % quantiles of the largest contact force over devices.
+        time: 5, 50 and 95 % quantiles of the alignment time over these devices and cases.
+        force: 5, 50 and 95 % quantiles over these of the largest contact force at any place.
         runs: number of runs.
         sobol_indices: of every quantity with a tolerance, the largest total index of failure first;
             empty if no device goes in.
-        confidence: level of confidence of the interval.
+        inside: number of devices drawn that start inside the hole, which are not counted.
+        forces: largest contact force of these devices by the place.
+        insertion: 5, 50 and 95 % quantiles over these of the longest time until inserted.
+        confidence: level of confidence of the intervals.
     """
 
     devices: int
@@ -64,12 +73,15 @@ class Yield:
     force: tuple[float, float, float]
     runs: int
     sobol_indices: tuple[SobolIndices, ...]
+    inside: int = 0
+    forces: Mapping[str, float] = field(default_factory=dict)
+    insertion: tuple[float, float, float] = (math.nan,) * 3
     confidence: float = CONFIDENCE
 
     @property
     def share(self) -> float:
-        """Share of the devices that go in from every start."""
-        return self.going_in / self.devices
+        """Share of the devices that go in in every case, NaN if all start inside the hole."""
+        return self.going_in / self.devices if self.devices else math.nan
 
 
 @dataclass(frozen=True)
@@ -80,7 +92,7 @@ class FailingDevice:
         quantities: values of the quantities with tolerances, in SI units.
         distance: largest deviation from the stated values, in tolerances; 1 is the end of a uniform
             tolerance, and three standard deviations of a normal one.
-        start: phase and tilt at touch-down of a failing run.
+        start: phase and tilt at touch-down of a failing run, and its base if it is not its own.
     """
 
     quantities: Mapping[str, float]
@@ -147,15 +159,18 @@ def yield_of(
         raise ValueError(f"{stated.source}: no quantity has a tolerance, such as 10 N ± 5 %")
     check_devices(devices)
     results = run_devices(stated, drawn(stated, devices, seed), starts, settings, cores)
+    inside = int(results.inside.sum())
+    results = results[~results.inside]
+    counted = devices - inside
     going_in, runs = int(results.goes_in.sum()), devices * len(starts)
-    low, high = interval(going_in, devices)
+    low, high = interval(going_in, counted)
     sobol: tuple[SobolIndices, ...] = ()
     if indices and going_in:
         some = starts[::INDEX_STARTS]
         sobol = sobol_indices_of(stated, some, settings, cores, seed=seed)
         runs += INDEX_POINTS * (len(stated.tolerances) + 2) * len(some)
     result = Yield(
-        devices=devices,
+        devices=counted,
         going_in=going_in,
         low=low,
         high=high,
@@ -163,6 +178,9 @@ def yield_of(
         force=_quantiles(results.force),
         runs=runs,
         sobol_indices=sobol,
+        inside=inside,
+        forces={place: float(each.max(initial=0.0)) for place, each in results.forces.items()},
+        insertion=_quantiles(results.insertion),
     )
     return result, results
 
@@ -171,20 +189,22 @@ def nearest_failing(
     stated: StatedDevice, results: DeviceResults, starts: Starts
 ) -> FailingDevice | None:
     """Return the failing device that is nearest to the stated values, None if none fails."""
+    if results.goes_in.all():
+        return None
     distance = np.stack([
         np.abs(results.values[name] - stated.quantities[name]) / each.end(stated.quantities[name])
         for name, each in stated.tolerances.items()
     ]).max(axis=0)  # fmt: skip
     nearest = int(np.argmin(np.where(results.goes_in, np.inf, distance)))
-    if results.goes_in[nearest]:
-        return None
     values = {name: float(column[nearest]) for name, column in results.values.items()}
-    start = dict(starts[results.failing[nearest]])
+    start = stated_case(stated.changed(**values), starts[results.failing[nearest]])
     return FailingDevice(values, float(distance[nearest]), start)
 
 
 def interval(successes: int, count: int) -> tuple[float, float]:
-    """Return Wilson's interval of a share, of 95 % confidence."""
+    """Return Wilson's interval of a share, of 95 % confidence; (0, 1) of none."""
+    if not count:
+        return 0.0, 1.0
     ends = stats.binomtest(successes, count).proportion_ci(CONFIDENCE, method="wilson")
     return float(ends.low), float(ends.high)
 
@@ -204,15 +224,15 @@ def sobol_indices_of(
     known = np.isfinite(results.time)
     usual = float(results.time[known].mean()) if known.any() else 0.0
     time: Floats = np.where(known, results.time, usual)
-    columns = [
-        column
-        for values in (np.where(results.goes_in, 0.0, 1.0), time)
-        for column in sobol_indices(values.reshape(size + 2, INDEX_POINTS))
-    ]
-    indices = [
-        SobolIndices(name, *(float(column[i]) for column in columns))
-        for i, name in enumerate(names)
-    ]
+    fails = np.where(results.goes_in, 0.0, 1.0)
+    columns = np.concatenate(
+        [sobol_indices(each.reshape(size + 2, INDEX_POINTS)) for each in (fails, time)]
+    )
+    indices = []
+    for name, column in zip(names, columns.swapaxes(0, 1), strict=True):
+        failure, failure_total, time_first, time_total = map(float, column[:, 0])
+        ends = tuple((float(low), float(high)) for low, high in column[:, 1:])
+        indices.append(SobolIndices(name, failure, failure_total, time_first, time_total, ends))
 
     def largest_first(each: SobolIndices) -> tuple[float, float]:
         return -np.nan_to_num(each.failure_total), -np.nan_to_num(each.time_total)
@@ -228,19 +248,25 @@ def sobol_cubes(size: int, count: int, seed: int) -> Floats:
     return np.stack([a, b, *mixed])
 
 
-def sobol_indices(f: Floats) -> tuple[Floats, Floats]:
-    """Return first-order and total Sobol' indices, shape (d,) each, NaN without variance.
+def sobol_indices(f: Floats) -> Floats:
+    """Return first-order and total Sobol' indices and their intervals, NaN without variance.
 
-    ``f``, shape (d + 2, n), holds the values of a function on ``sobol_cubes``.
+    ``f``, shape (d + 2, n), holds the values of a function on ``sobol_cubes``. The result, shape
+    (2, d, 3), holds of each the index and the ends of its interval.
     """
     if np.ptp(f[:2]) == 0.0:
-        unknown = np.full(len(f) - 2, np.nan)
-        return unknown, unknown
+        return np.full((2, len(f) - 2, 3), np.nan)
     if len(f) == 3:  # one quantity, which scipy refuses
-        return np.ones(1), np.ones(1)
+        return np.ones((2, 1, 3))
     values = {"f_A": f[None, 0], "f_B": f[None, 1], "f_AB": f[2:, None]}
-    indices = stats.sobol_indices(func=values, n=f.shape[1])
-    return np.asarray(indices.first_order).ravel(), np.asarray(indices.total_order).ravel()
+    indices = stats.sobol_indices(func=values, n=f.shape[1], rng=np.random.default_rng(0))
+    with np.errstate(all="ignore"), warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of quantities without effect, whose interval is a point
+        spread = indices.bootstrap(confidence_level=CONFIDENCE)
+    both = (indices.first_order, spread.first_order), (indices.total_order, spread.total_order)
+    rows = [(index, *each.confidence_interval) for index, each in both]
+    found = np.array([[np.ravel(column) for column in row] for row in rows]).swapaxes(1, 2)
+    return np.where(np.isnan(found), found[..., :1], found)
 
 
 def _quantiles(values: Floats) -> tuple[float, float, float]:

@@ -216,6 +216,7 @@ _ROW = struct.Struct(f"{len(FIELDS)}d")
 
 # Kernels take the slot's half-width in place of the clearance.
 _RESOLVED = {"clearance": "slot_half_width"}
+_BEYOND_REACH = 1e9  # depth of insertion, dimensionless
 _CONSTANTS = (
     *(_RESOLVED.get(name, name) for name in PARAMETER_NAMES),
     "insertion_depth",
@@ -360,26 +361,29 @@ class Batch:
         return Parameters(**values)
 
     def insertion_depths(self) -> NDArray[np.float64]:
-        """Return the default depths at which parts count as inserted, shape (n,).
+        """Return the default depths, shape (n,): half of ``reaches``, at most half_width."""
+        return np.asarray(resolved(Given(**self.values)).insertion_depth)
 
-        Half the depth to which f0 presses the part against its axial spring, at most the
-        half-width.
-        """
-        depths: NDArray[np.float64] = resolved(Given(**self.values)).insertion_depth
-        return depths
+    def reaches(self) -> NDArray[np.float64]:
+        """Return the depths to which f0 presses parts against their axial springs, shape (n,)."""
+        given = resolved(Given(**self.values))
+        return np.asarray(given.press_force - (given.rest_y - given.half_height))
 
     def constants(
         self, readings: Variants, insertion_depth: float | None = None
     ) -> NDArray[np.float64]:
         """Return the ``Constants`` of each parameter set as a row, shape (n, constants).
 
-        ``insertion_depth`` replaces the default, ``insertion_depths``.
+        ``insertion_depth`` replaces the default, ``insertion_depths``; one at which the press does
+        not hold the part is beyond reach.
         """
         columns = resolved(Given(**self.values))._asdict()
         if readings.preload == "printed":
             columns["rest_y"] = 0.0  # an axial spring relaxed at 0
         if insertion_depth is not None:
-            columns["insertion_depth"] = insertion_depth
+            columns["insertion_depth"] = np.where(
+                self.reaches() > insertion_depth, insertion_depth, _BEYOND_REACH
+            )
         columns |= {f"printed_{name}": readings.is_printed(name) for name in VARIANT_NAMES}
         rows = np.empty((len(self), len(_CONSTANTS)))
         for place, name in enumerate(_CONSTANTS):

@@ -125,11 +125,15 @@ def _touch_down(parameters: Parameters, units: Units | None, ensemble: Ensemble 
 def _goal(parameters: Parameters, settings: Settings, units: Units | None) -> str:
     if settings.success is not Outcome.INSERTED:
         return "aligned: the edge is past the corner of the hole"
-    depth, why = settings.insertion_depth, ""
+    batch, depth = Batch.stack([parameters]), settings.insertion_depth
+    reach = float(batch.reaches()[0])
+    holds = f"{in_words(reach, LENGTH, units)}, where the press holds it against its axial spring"
     if depth is None:
-        depth = float(Batch.stack([parameters]).insertion_depths()[0])
-        why = " (half of what the press reaches, at most the half-width)"
-    return f"inserted to a depth of {in_words(depth, LENGTH, units)}{why}"
+        depth = float(batch.insertion_depths()[0])
+        why = f"half of {holds}" if 2.0 * depth >= reach else f"the half-width, of {holds}"
+    else:
+        why = f"of {holds}" if depth < reach else f"out of reach: it overshoots {holds}"
+    return f"inserted to a depth of {in_words(depth, LENGTH, units)} ({why}; no further feed)"
 
 
 def _base(parameters: Parameters, stated: StatedDevice | None) -> str:

@@ -36,16 +36,23 @@ def starts_of(device: Parameters, ensemble: Ensemble) -> list[dict[str, float]]:
 
 
 def every_start(
-    devices: Batch, starts: Starts, settings: Settings, cores: int = 1
+    devices: Batch,
+    starts: Starts,
+    settings: Settings,
+    cores: int = 1,
+    others: Mapping[str, NDArray[np.float64]] | None = None,
 ) -> dict[str, NDArray[Any]]:
     """Run all devices from all starts.
+
+    ``others`` are parameters that differ between both, by name, each of shape (devices, starts).
 
     Returns:
         The fields of ``RunResult``, and ``goes_in``; each of shape (devices, starts).
     """
     values = {name: np.repeat(column, len(starts)) for name, column in devices.values.items()}
-    for name in starts[0]:
+    for name in starts[0].keys() & values.keys():
         values[name] = np.tile([start[name] for start in starts], len(devices))
+    values |= {name: column.ravel() for name, column in (others or {}).items()}
     results = run_once(Batch(values), settings, cores=cores)
     shaped = {name: flat.reshape(len(devices), len(starts)) for name, flat in results.items()}
     return {**shaped, "goes_in": np.isin(shaped["outcome"], SUCCESSES)}

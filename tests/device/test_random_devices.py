@@ -1,0 +1,178 @@
+"""Random devices, with and without a stated base: ends hold, forces agree, advice cures."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from model import INSERTION, Settings, load_device, simulate
+from model.device import StatedDevice, leeways
+from model.device.assess import Assessment, assess
+from model.device.cases import cases_of, on_bases, parameters_in, stated_case
+from model.device.leeways import FINEST
+from model.device.reliability import FORCES, are_reliable, run_devices
+from model.device.yields import drawn, yield_of
+from model.physics.parameters import Batch
+from model.runs.simulate import simulate_once
+from model.sweeps.settings import Ensemble
+
+DOCS = Path(__file__).resolve().parents[2] / "docs"
+FEW = Ensemble(phases=4, tilts=[1.0], every=1)
+SETTINGS = Settings(scene=INSERTION, tolerance=1e-6, horizon=60.0)
+OF_A_BASE = ("edge_radius", "plate_thickness", "plate_radius", "restitution")
+CHANGED = (
+    "press_force", "frequency", "mass", "amplitude", "tilt_stiffness", "friction", "misalignment",
+)  # fmt: skip
+ASKED = ("press_force", "tilt_stiffness", "friction")
+
+
+def random_device(folder: Path, number: int, **lines: str) -> Path:
+    """Write a worked device with its quantities changed at random; every other has no base."""
+    rng = np.random.default_rng(5400 + number)
+    stated = load_device(DOCS / "devices" / ("pin.yaml", "peg.yaml", "shaft.yaml")[number % 3])
+    given: dict[str, object] = dict(stated.quantities) | {"materials": stated.materials}
+    for name in CHANGED:
+        given[name] = float(f"{stated.quantities[name] * np.exp(rng.normal(0.0, 0.25)):.4g}")
+    if number % 2:
+        given = {name: each for name, each in given.items() if name not in OF_A_BASE}
+        del given["materials"]
+    given |= {name: f"{given[name]} {text}" for name, text in lines.items()}
+    path = folder / f"device{number}.yaml"
+    path.write_text(yaml.safe_dump(given, allow_unicode=True), encoding="utf-8")
+    return path
+
+
+def reliable(path: Path, changes: Mapping[str, object], ensemble: Ensemble) -> bool:
+    """Return whether the device is reliable with --set of these changes."""
+    device = load_device(path, changes)
+    own = {"friction": np.array([device.quantities["friction"]])}
+    return bool(are_reliable(device, own, cases_of(device, ensemble), SETTINGS)[0])
+
+
+def ends_hold(path: Path, found: Assessment, ensemble: Ensemble) -> tuple[int, int]:
+    """Check printed ends and advice; return the number of ends, and of those reliable beyond."""
+    ends = beyond = 0
+    for leeway in found.leeways:
+        low = leeway.low, leeway.bounded_below, -1.0
+        for end, bounded, sign in (low, (leeway.high, leeway.bounded_above, 1.0)):
+            for inner in (end, end * (1.0 - sign * FINEST), end * (1.0 - 2.0 * sign * FINEST)):
+                near = bounded and (leeway.value - inner) * sign <= 0.0
+                said = {leeway.parameter: f"{inner:.4g}"}
+                assert not near or reliable(path, said, ensemble), said
+            ends += bounded
+            beyond += bounded and reliable(
+                path, {leeway.parameter: end * (1.0 + sign * FINEST)}, ensemble
+            )
+    for each in found.nearest:
+        for end in (each.below, each.above):
+            assert end is None or reliable(path, {each.parameter: f"{end:.4g}"}, ensemble)
+    if found.change:
+        assert reliable(path, {n: f"{v:.4g}" for n, v in found.change.items()}, ensemble)
+    assert found.reliable == reliable(path, {}, ensemble)
+    assert bool(found.cause) != found.reliable
+    return ends, beyond
+
+
+def asked(folder: Path, numbers: range, ensemble: Ensemble, minimum: int) -> None:
+    ends, beyond, verdicts = 0, 0, set()
+    for number in numbers:
+        path = random_device(folder, number)
+        found = assess(load_device(path), SETTINGS, ensemble)
+        counts = ends_hold(path, found, ensemble)
+        ends, beyond = ends + counts[0], beyond + counts[1]
+        verdicts.add((found.reliable, bool(found.bases)))
+    assert len(verdicts) == 4  # of both kinds, with and without a base
+    assert ends >= minimum
+    assert beyond <= 0.03 * ends  # a border may be ragged
+
+
+def test_printed_ends_hold_on_every_base(tmp_path, monkeypatch):
+    monkeypatch.setattr(leeways, "VARIED", ASKED)
+    monkeypatch.setattr(leeways, "UNITS", ())
+    asked(tmp_path, range(30), FEW, 40)
+
+
+@pytest.mark.nightly
+def test_all_printed_ends_hold_on_every_base(tmp_path):
+    asked(tmp_path, range(30, 60), Ensemble(phases=8, tilts=[1.0, 3.0], every=1), 100)
+
+
+def test_a_case_is_the_device_that_set_states(tmp_path):
+    for number in (1, 3, 5):
+        path = random_device(tmp_path, number)
+        device = load_device(path)
+        cases = cases_of(device, FEW)
+        columns = on_bases(Batch.stack([device.parameters]), [device.units], cases)
+        steel = 1.05 * (6.0 * 1.154e11**2 * device.quantities["half_width"]) ** (1.0 / 3.0)
+        for row, case in enumerate(cases):
+            stated = stated_case(device, case)
+            again = load_device(path, stated).parameters
+            for name, column in columns.items():
+                assert column[0, row] == pytest.approx(getattr(again, name), rel=1e-12)
+            assert parameters_in(device, case) == again
+            most = steel * device.quantities["press_force"] ** (1.0 / 3.0)
+            assert stated.get("contact_stiffness", 0.0) <= most
+
+
+def test_forces_are_those_of_all_places_in_every_command(tmp_path):
+    """Of assess, of drawn devices, and of the reference engine's runs of the same cases."""
+    for number in range(4):
+        device = load_device(random_device(tmp_path, number, friction="± 10 %"))
+        cases = cases_of(device, FEW)
+        found = assess(device, SETTINGS, FEW, vary=False)
+        runs = [simulate_once(parameters_in(device, case), SETTINGS) for case in cases]
+        by_place = {place: max(getattr(r, name) for r in runs) for place, name in FORCES.items()}
+        assert found.forces == pytest.approx(by_place, rel=0.02, abs=1e-6)
+        assert found.contact_force_max == max(found.forces.values())
+        own = {"friction": np.array([device.quantities["friction"]])}
+        one, newton = run_devices(device, own, cases, SETTINGS), device.units.force
+        assert one.force[0] == pytest.approx(found.contact_force_max * newton)
+        forces = {place: each[0] / newton for place, each in one.forces.items()}
+        assert forces == pytest.approx(found.forces)
+        many = run_devices(device, drawn(device, 8), cases, SETTINGS)
+        assert (many.force == np.max([*many.forces.values()], axis=0)).all()
+
+
+def test_an_overshoot_is_not_inserted_and_a_dip_is_held():
+    """A part that counts as inserted stays at depth; no press holds one deeper than it reaches."""
+    device = load_device(DOCS / "peg.yaml", {"tilt_stiffness": 0.3})
+    reach = float(Batch.stack([device.parameters]).reaches()[0])
+    usual = simulate(device, SETTINGS)
+    deep = replace(SETTINGS, insertion_depth=0.98 * reach)
+    beyond = replace(SETTINGS, insertion_depth=1.02 * reach)
+    assert simulate(device, deep).depth[-1] == pytest.approx(0.98 * reach, rel=1e-6)
+    run = simulate(device, beyond)
+    assert run.depth.max() > 1.02 * reach  # it overshoots
+    assert run.outcome.name in ("JAMMED", "HORIZON_REACHED")
+    late = run.time > run.tau_align + usual.tau_inserted + 10.0
+    assert late.any()
+    assert (run.depth[late] > 0.5 * reach).all()  # where it counts as inserted it stays
+
+
+def test_devices_that_start_inside_are_not_counted():
+    stated = load_device(DOCS / "devices" / "peg.yaml", {"misalignment": "0.4 mm ± 0.39 mm"})
+    found, results = yield_of(stated, cases_of(stated, FEW), SETTINGS, devices=64, indices=False)
+    values = drawn(stated, 64)
+    inside = values["misalignment"] <= values["clearance"] * stated.quantities["half_width"]
+    assert found.inside == inside.sum() > 10
+    assert found.devices == 64 - inside.sum() == len(results.goes_in)
+    assert (results.times > 0.0).all()
+    assert found.time[0] > 0.0
+
+
+def test_what_is_stated_of_a_device_without_a_base_holds_for_the_worst():
+    """The peg of the tutorial, near its border: reliable on its own base, not on a stiffer one."""
+    path = DOCS / "peg.yaml"
+    changes = {"friction": 0.215}
+    usual = replace(SETTINGS, horizon=300.0)
+    found = assess(load_device(path, changes), usual, Ensemble(), 2, vary=False)
+    assert found.depends_on_base
+    assert not found.reliable
+    assert found.failing_start is not None
+    assert found.failing_start["contact_stiffness"] > 3e5
+    on_it = load_device(path, {**changes, **found.failing_start})
+    assert isinstance(on_it, StatedDevice)
+    assert simulate(on_it, usual).outcome is not usual.success
