@@ -227,7 +227,11 @@ def _relaxed(design: "Design") -> list[str]:
         limit, quantity = design.limits[name], _MEASURES[name]
         change = 100.0 * (value / limit - 1.0)
         words = f"{name} from {si_words(limit, quantity)} to {si_words(value, quantity)}"
-        lines.append(_line("what to relax", f"{words} ({change:+.2g} %)"))
+        number = design.relaxing()[name]
+        place = {n: float(v[number]) for n, v in design.tried.settings.items()}
+        known = "as assess checks it" if number in design.checks else "by a quick trial"
+        words += f" ({change:+.2g} %): {named_words(place)}, {known}"
+        lines.append(_line("what to relax", words))
     return lines
 
 

@@ -147,12 +147,17 @@ class Design:
 
     def to_relax(self) -> dict[str, float]:
         """Return by name the least value of a limit that some setting keeps with all others."""
+        numbers = self.relaxing().items()
+        return {name: float(self.tried.measures[name][number]) for name, number in numbers}
+
+    def relaxing(self) -> dict[str, int]:
+        """Return by the name of a limit the number of the setting of ``to_relax``."""
         least = {}
         for name in self.limits:
             others = {other: limit for other, limit in self.limits.items() if other != name}
             kept = self.tried.keeps(others)
             if kept.any():
-                least[name] = float(self.tried.measures[name][kept].min())
+                least[name] = int(np.argmin(np.where(kept, self.tried.measures[name], np.inf)))
         return least
 
 

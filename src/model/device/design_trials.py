@@ -116,6 +116,9 @@ class Trials:
             parts.append(run_devices(stated, some, self.starts, self._statistical, self.cores))
             holds, done = bool(self._is_good(parts[-1]).all()), last
         whole = _joined(parts)
+        if not whole.inside.all():  # what starts inside the hole is not counted
+            whole = whole[~whole.inside]
+        done = len(whole.goes_in)
         failing = nearest_failing(stated, whole, self.starts)
         if failing is None:
             margin = self._margin_from_every_start(np.array([list(setting.values())]))
