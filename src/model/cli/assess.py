@@ -21,6 +21,7 @@ from model.cli.files import check_file, check_picture
 from model.cli.progress import ProgressLine
 from model.cli.simulate import unvibrated_record
 from model.cli.tables import in_columns, print_json
+from model.device.base import USUAL_STIFFNESS
 from model.events.outcomes import SUCCESS_TEXT
 from model.physics.parameters import Parameters
 from model.physics.quantities import ANGLE, FORCE, SPEED, STIFFNESS, TIME
@@ -29,6 +30,7 @@ from model.runs.simulate import simulate
 from model.runs.unvibrated import unvibrated_words
 from model.show import si
 from model.show.assumptions import assumptions, lines_of, source_words
+from model.show.lever import lever_record, lever_words, wall_words
 
 if TYPE_CHECKING:
     from model.device import StatedDevice
@@ -100,6 +102,7 @@ def _assess(arguments: argparse.Namespace) -> int:
             | {"verdict": verdict}
             | unvibrated_record(device, settings)
             | si.natural_record(device, given.units)
+            | lever_record(device, settings, given.units)
             | {"yield": drawn and stated and _yield_record(drawn, nearest, stated, settings)}
             | {"assumptions": assumed}
         )
@@ -195,7 +198,7 @@ def _verdict(
     verb = SUCCESS_TEXT[settings.success]
     starts = f"{verb} from {result.aligned} of {result.starts} starts"
     if result.bases and stated is not None and not stated.base_is_stated:
-        starts += ", on a base of 100 times the axial stiffness"
+        starts += f", on a base of {USUAL_STIFFNESS[stated.shape]:,.0f} times the axial stiffness"
     lines = [_line("starts", starts)]
     if result.aligned:
         times = si.range_words(result.tau_best, result.tau_worst, TIME, units)
@@ -210,6 +213,14 @@ def _verdict(
     force = si.in_words(result.contact_force_max, FORCE, units)
     tilt = si.in_words(result.tilt_max, ANGLE, units)
     lines.append(_line("at most", f"contact force {force}, tilt {tilt}, over all starts"))
+    lines += lever_words(device, settings, units)
+    lines += wall_words(device, settings, result.tilt_max, units)
+    if result.if_square is not None:
+        words = f"{verb} from {result.if_square.aligned} of {result.starts} starts"
+        if result.if_square.aligned:
+            ends = result.if_square.tau_best, result.if_square.tau_worst
+            words += f", aligned in {si.range_words(*ends, TIME, units)}"
+        lines.append(_line("if it is square", words))
     if result.bases:
         head = f"contact stiffness, impact, starts from which it {verb}, alignment time:"
         lines += [head, *in_columns([_base_row(base, units) for base in result.bases])]

@@ -10,6 +10,7 @@ import itertools
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -68,6 +69,14 @@ class BaseVerdict:
         )
 
 
+class Successes(NamedTuple):
+    """Number of starts from which a device succeeds, and its times, dimensionless; NaN if none."""
+
+    aligned: int
+    tau_best: float
+    tau_worst: float
+
+
 @dataclass(frozen=True)
 class Assessment:
     """Results of a device from every start and on its bases, dimensionless, and its leeways.
@@ -84,6 +93,7 @@ class Assessment:
             empty if a start fails.
         nearest: nearest reliable values of these; empty if no start fails.
         bases: verdicts on other bases; empty if none was tried.
+        if_square: successes of a square part in its place; None if the shape is stated.
     """
 
     starts: int
@@ -98,6 +108,7 @@ class Assessment:
     leeways: tuple[Leeway, ...] = ()
     nearest: tuple[Nearest, ...] = ()
     bases: tuple[BaseVerdict, ...] = ()
+    if_square: Successes | None = None
 
     @property
     def reliable(self) -> bool:
@@ -191,7 +202,20 @@ def assess(
         leeways=leeways(device, is_reliable) if vary and not failing else (),
         nearest=nearest(device, is_reliable) if vary and failing else (),
         bases=others,
+        if_square=_if_square(device, starts, settings, cores),
     )
+
+
+def _if_square(
+    device: Parameters | StatedDevice, starts: Starts, settings: Settings, cores: int
+) -> Successes | None:
+    """Return the successes of a square part in place of one whose shape is not stated."""
+    if isinstance(device, Parameters) or device.stated_shape is not None:
+        return None
+    square = replace(device, stated_shape="square").parameters
+    settings = replace(settings, shape="square")
+    results = every_start(Batch.stack([square]), starts, settings, cores)
+    return _successes(results["goes_in"][0], results["tau_align"][0])
 
 
 def on_bases(
@@ -224,11 +248,10 @@ def on_bases(
     )
 
 
-def _successes(aligned: NDArray[np.bool_], tau: NDArray[np.float64]) -> tuple[int, float, float]:
-    """Return the number of successes, and their shortest and longest time, NaN without any."""
+def _successes(aligned: NDArray[np.bool_], tau: NDArray[np.float64]) -> Successes:
     times = tau[aligned]
     ends = (float(times.min()), float(times.max())) if times.size else (math.nan, math.nan)
-    return times.size, *ends
+    return Successes(times.size, *ends)
 
 
 def impact_speed(run: Trajectory) -> float:

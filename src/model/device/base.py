@@ -23,6 +23,7 @@ from typing import NamedTuple
 
 from model.device.holder import RATIOS
 from model.device.spelling import in_per_cent
+from model.physics.parameters import Shape
 
 
 class Material(NamedTuple):
@@ -54,10 +55,17 @@ BASE: Mapping[str, tuple[str, str]] = {
     "restitution": ("coefficient of restitution, for the contact damping", "1"),
 }
 
+# Contact stiffness over axial stiffness where it is not stated. From 1,600 on the lever of a round
+# part does not hang on the yielding of the rims (docs/decisions/0042-round-parts.md).
+USUAL_STIFFNESS: Mapping[Shape, float] = {"square": 100.0, "round": 1600.0}
+CENTRE = "centre_height"  # in place of half_height
+CENTRE_WORDS = "height of the mass centre over the bottom face, in place of half_height"
+
 # Parameters, and the quantities of a device file from which they are computed if stated.
 SOURCES: Mapping[str, tuple[str, ...]] = {
     "contact_stiffness": ("materials", "edge_radius", "plate_thickness", "plate_radius"),
     "contact_damping": ("restitution",),
+    "half_height": (CENTRE,),
     **{damping: (ratio,) for ratio, damping in RATIOS.items()},
 }
 
@@ -115,18 +123,24 @@ def damping_ratio_of(restitution: float) -> float:
     return 0.5 * (low + high)
 
 
-def mass_at_edge(quantities: Mapping[str, float]) -> float:
-    """Return the effective mass in kg of the part at the edge on which it starts."""
-    width = quantities["half_width"] * (1.0 + quantities["clearance"])
-    arm = width - quantities["misalignment"]
+def mass_at_edge(quantities: Mapping[str, float], shape: Shape) -> float:
+    """Return the effective mass in kg of the part at the edge, or tips, on which it starts flat."""
+    hole = quantities["half_width"] * (1.0 + quantities["clearance"])
+    beside = quantities["misalignment"]
+    arm = hole - beside
+    if shape == "round":
+        arm = (hole**2 - quantities["half_width"] ** 2 - beside**2) / (2.0 * beside)  # (T7)
     mass = quantities["mass"]
     return mass / (1.0 + mass * arm * arm / quantities["inertia"])
 
 
 def with_base(
-    quantities: Mapping[str, float], pair: tuple[Material, Material] | None
+    quantities: Mapping[str, float], pair: tuple[Material, Material] | None, shape: Shape
 ) -> dict[str, float]:
     """Return quantities in SI units, with contact stiffness and damping in place of the base's.
+
+    A round part whose base is not stated gets that of ``USUAL_STIFFNESS``, with the damping ratio
+    that the default of ``Parameters`` gives to a square one.
 
     Raises:
         ValueError: a quantity of the base outside its rule, one that another needs and that is
@@ -141,10 +155,17 @@ def with_base(
             plate = plate_stiffness(pair[1], given["plate_thickness"], given["plate_radius"])
             stiffness = 1.0 / (1.0 / stiffness + 1.0 / plate)
         result["contact_stiffness"] = stiffness
+    if "contact_stiffness" not in result and shape == "round":
+        stiffer = USUAL_STIFFNESS["round"]
+        unit = math.sqrt(result["axial_stiffness"] * result["mass"])
+        damping = math.sqrt(stiffer / USUAL_STIFFNESS["square"]) * unit
+        result["contact_stiffness"] = stiffer * result["axial_stiffness"]
+        result.setdefault("contact_damping", damping)
     if "restitution" in given:
-        stiffness = result.get("contact_stiffness", 100.0 * result["axial_stiffness"])
-        ratio = damping_ratio_of(given["restitution"])
-        result["contact_damping"] = 2.0 * ratio * math.sqrt(stiffness * mass_at_edge(result))
+        usual = USUAL_STIFFNESS["square"] * result["axial_stiffness"]
+        stiffness = result.get("contact_stiffness", usual)
+        ratio, mass = damping_ratio_of(given["restitution"]), mass_at_edge(result, shape)
+        result["contact_damping"] = 2.0 * ratio * math.sqrt(stiffness * mass)
     return result
 
 

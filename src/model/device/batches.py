@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from model.device.base import CENTRE
 from model.device.stated import StatedDevice
 from model.physics.parameters import FIELDS, Batch, Parameters
 from model.physics.units import Units
@@ -24,7 +25,9 @@ def devices_of(stated: Parameters | StatedDevice, values: Values) -> tuple[Batch
     """
     if isinstance(stated, Parameters):
         return Batch.of(stated, **values), []
-    nothing_follows = stated.materials is None and "restitution" not in stated.quantities
+    nothing_follows = stated.materials is None and not {"restitution", CENTRE} & {
+        *stated.quantities
+    }
     if nothing_follows and all(name in FIELDS for name in values):
         units = stated.units
         scaled = {name: v / units.of(FIELDS[name].quantity) for name, v in values.items()}

@@ -8,13 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import AfterValidator
 
-from model.device.base import BASE
+from model.device.base import BASE, CENTRE, CENTRE_WORDS
 from model.device.batches import by_settings, devices_of, rows_of
 from model.device.holder import RATIOS
 from model.device.stated import QUANTITIES, StatedDevice
 from model.engines.results import RESULTS, UNVIBRATED_CONTROL
 from model.physics.parameters import FIELDS, Batch, Parameters, check_name
-from model.physics.quantities import ANGLE, PLAIN
+from model.physics.quantities import ANGLE, LENGTH, PLAIN
 from model.physics.units import UNITS
 from model.sweeps.axes import Axis, check_plane
 from model.sweeps.settings import Ensemble, RunSettings
@@ -92,6 +92,8 @@ class DeviceMap(Sweep):
 def _attributes(name: str) -> dict[str, Any]:
     if name in RATIOS:
         return {"long_name": f"damping ratio, in place of {RATIOS[name]}", "units": "1"}
+    if name == CENTRE:
+        return {"long_name": CENTRE_WORDS, "units": LENGTH.unit}
     if name in BASE:
         return {"long_name": BASE[name][0], "units": BASE[name][1]}
     field = (FIELDS | UNITS)[name]  # type: ignore[operator]

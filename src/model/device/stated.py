@@ -5,15 +5,16 @@ from collections.abc import Hashable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, cast, get_args
+from typing import Any, get_args
 
 import yaml
 
 from model.device.amounts import Tolerance, read_amount, read_range
-from model.device.base import BASE, SOURCES, pair_of, with_base
+from model.device.base import BASE, CENTRE, SOURCES, pair_of, with_base
 from model.device.holder import RATIOS, with_damping
 from model.device.plausibility import check_place, check_press, doubts
 from model.physics.parameters import FIELDS, PARAMETER_NAMES, Parameters, Shape, check_name
+from model.physics.quantities import LENGTH
 from model.physics.rest import Start
 from model.physics.units import UNITS, Device, Units, device
 from model.runs.settings import Settings
@@ -27,7 +28,7 @@ LIMITS: Mapping[str, tuple[str, str]] = {
 }
 # Limit "vibration" of a design: the share of devices that must not align without vibration.
 VIBRATION: Mapping[str, float] = {"needed": 1.0, "not needed": 0.0}
-QUANTITIES = (*UNITS, *PARAMETER_NAMES, *RATIOS, *BASE)
+QUANTITIES = (*UNITS, *PARAMETER_NAMES, *RATIOS, *BASE, CENTRE)
 _BESIDES = ("materials", "free", "limits", "start", "shape")
 
 
@@ -49,7 +50,7 @@ class StatedDevice:
             devices that must not align without it, 1 or 0.
         changes: quantities that replace the file's, as they were given.
         start: start of its runs (``Settings.start``), or None.
-        shape: shape of part and hole (``Settings.shape``), or None.
+        stated_shape: shape of part and hole (``Settings.shape``), or None.
         horizon: latest time of its runs in s, or None for that of the settings in units of 1/p.
         insertion_depth: depth in m at which it counts as inserted, or None for the default.
     """
@@ -62,7 +63,7 @@ class StatedDevice:
     limits: Mapping[str, float] = field(default_factory=dict)
     changes: Mapping[str, object] = field(default_factory=dict)
     start: Start | None = None
-    shape: Shape | None = None
+    stated_shape: Shape | None = None
     horizon: float | None = None
     insertion_depth: float | None = None
 
@@ -80,6 +81,11 @@ class StatedDevice:
     def parameters(self) -> Parameters:
         """Dimensionless parameters of the device."""
         return self.device.parameters
+
+    @property
+    def shape(self) -> Shape:
+        """Shape of part and hole; "round" where none is stated."""
+        return self.stated_shape or "round"
 
     @property
     def values(self) -> dict[str, float]:
@@ -115,7 +121,10 @@ class StatedDevice:
         kept = {name: v for name, v in self.quantities.items() if name not in replaced}
         stated = None if "materials" in replaced else self.materials
         pair = None if stated is None else pair_of(stated)
-        return with_base(with_damping({**kept, **changes}), pair)
+        quantities = with_damping({**kept, **changes})
+        if CENTRE in quantities:
+            quantities["half_height"] = quantities.pop(CENTRE)
+        return with_base(quantities, pair, self.shape)
 
     def changed(self, **changes: float) -> "StatedDevice":
         """Return the device with other values (SI units) and the same tolerances.
@@ -167,7 +176,13 @@ class StatedDevice:
             and each.around(self.quantities[name]) > abs(self.quantities[name])
             and (name not in FIELDS or FIELDS[name].bound)
         ]
-        return doubts({**self.quantities, **self.resolved({})}, self.device) + cut_off
+        found = doubts({**self.resolved({}), **self.quantities}, self.device, self.shape)
+        if self.stated_shape is None:
+            found.append(
+                "shape is not stated: taken as round, a peg in a round hole; state shape: round, "
+                "or shape: square for a plane part beside a slot"
+            )
+        return found + cut_off
 
 
 def _replaced_by(changes: Iterable[str]) -> set[str]:
@@ -207,13 +222,16 @@ def load_device(path: Path | str, changes: Mapping[str, object] | None = None) -
             limits=_limits(mapping),
             changes=dict(changes),
             start=mapping.get("start"),
-            shape=cast("Any", changes.get("shape", mapping.get("shape"))),
+            stated_shape=mapping.get("shape"),
         )
         for name, kind in (("start", Start), ("shape", Shape)):
-            if getattr(stated, name) is not None:
-                check_name(str(getattr(stated, name)), get_args(kind), name)
+            if mapping.get(name) is not None:
+                check_name(str(mapping[name]), get_args(kind), name)
         # Refuses unknown and missing quantities, before anything is computed from them.
-        device(with_damping({n: v for n, v in stated.quantities.items() if n not in BASE}))
+        known = with_damping({n: v for n, v in stated.quantities.items() if n not in BASE})
+        if CENTRE in known:
+            known["half_height"] = known.pop(CENTRE)
+        device(known)
         stated.admitted({})
         _check_tolerances(stated)
     except ValueError as error:
@@ -230,6 +248,8 @@ def unit_of(name: str) -> str:
     check_name(name, QUANTITIES, "quantity of a device")
     if name in RATIOS:
         return "1"
+    if name == CENTRE:
+        return LENGTH.unit
     return (UNITS | FIELDS)[name].quantity.unit if name not in BASE else BASE[name][1]  # type: ignore[operator]
 
 
