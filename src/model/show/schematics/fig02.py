@@ -11,9 +11,9 @@ from model.show import style
 from model.show.schematics.pose import towards, xy
 from model.show.schematics.sheet import Scheme, new_scheme
 
-# The suspension: where it holds the part (half-widths, half-heights); its other end, on the left leg
-# of the platform (-1), its right leg (1) or its plate (0); its symbol, and how far (cm) that is from
-# the middle, or for H_Y from the plate.
+# The suspension: where it holds the part (half-widths, half-heights); its other end, on the left
+# leg of the platform (-1), its right leg (1) or its plate (0); its symbol, and how far (cm) that is
+# from the middle, or for H_Y from the plate.
 _LINKS = (
     (-1.0, 0.88, -1, "K_{X_1}", (0.0, 0.4)),
     (1.0, 0.88, 1, "K_{X_2}", (0.0, 0.4)),

@@ -61,14 +61,14 @@ def _draw_whole(sheet: Scheme) -> None:
     cm, centre = sheet.cm, sheet.pose.centre
     sheet.base(reach=2.2, depth=1.6)
     sheet.part()
-    sheet.frame(sheet.a + 2.75 * cm, 1.4 * cm, origin=(-0.17, -0.45))
+    sheet.frame(sheet.a + 2.75 * cm, 1.4 * cm)
     edges = [sheet.pose.edge(each) for each in (RIGHT_EDGE, LEFT_EDGE)]
     names = ("$B_1$", "$D_1$", "$D_2$", "$B_2$", "$A_1$", "$A_2$")
     shifts = ((0.3, 0.22), (0.33, 0.12), (-0.3, 0.15), (-0.32, -0.14), (-0.3, -0.4), (-0.35, 0.38))
     for point, name, shift in zip([*sheet.pose.corners(), *edges], names, shifts, strict=True):
         sheet.point(point, name, shift, 3.0)
     _mark_sizes(sheet)
-    sheet.tilt_of_face(reach=1.9)
+    sheet.tilt_of_face(reach=1.4)
     heads = centre + 0.8 * cm * sheet.pose.axes
     sheet.arrow(centre, heads[0], "$e_t$", (-0.2, 0.24), color=Scheme.CONTACT)
     sheet.arrow(centre, heads[1], "$e_n$", (0.3, -0.05), color=Scheme.CONTACT)

@@ -93,7 +93,7 @@ class Sheet:
         self, tail: Place, head: Place, words: str = "", shift: Place = (0, 0), *,
         heads: str = "-|>", width: float = FORCE, **look: Any,
     ) -> None:  # fmt: skip
-        """Draw an arrow, with its name by ``head``; ``ha`` and ``on`` of ``look`` are its name's."""
+        """Draw an arrow, its name by ``head``; ``ha`` and ``on`` of ``look`` are its name's."""
         name = {key: look.pop(key) for key in ("ha", "on") if key in look}
         look = {"color": style.BLACK, "zorder": 5, "shrinkA": 0, "shrinkB": 0, **look}
         look |= {"joinstyle": "miter", "mutation_scale": 7.0 if width < self.FORCE else 11.0}
@@ -200,11 +200,11 @@ class Scheme(Sheet):
         self.cut([*profile, (far, floor - 0.4 * self.cm), (-far, floor - 0.4 * self.cm)])
         self.line(*profile, width=self.OUTLINE, label="base")
 
-    def frame(self, right: float, top: float, origin: Place = (-0.3, -0.38)) -> None:
-        """Draw the axes X and Y up to ``right`` and ``top``; the letter O is at ``origin``."""
+    def frame(self, right: float, top: float) -> None:
+        """Draw the axes X and Y from O up to ``right`` and ``top``."""
         self.arrow((0, 0), (right, 0), "$X$", (0.0, -0.28), width=self.THIN, zorder=4)
         self.arrow((0, 0), (0, top), "$Y$", (-0.28, 0.0), width=self.THIN, zorder=4)
-        self.point((0, 0), "$O$", origin, 3.0)
+        self.point((0, 0), "$O$", (-0.25, 0.22), 3.0)
 
     def tilt(self, pivot: Point, radius: float, start: float, clear: float) -> None:
         """Mark φ about ``pivot`` from the angle ``start``, its name ``clear`` cm farther out."""
