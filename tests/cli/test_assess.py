@@ -15,7 +15,7 @@ from model.device.leeways import Leeway
 from model.show.assumptions import assumptions
 from model.show.si import named_words
 
-PEG = str(Path(__file__).parents[2] / "docs" / "peg.yaml")
+PEG = str(Path(__file__).parents[1] / "square" / "peg.yaml")
 COARSE = ["--horizon", "60", "--tolerance", "1e-6"]
 IN_SECONDS = ["--horizon", "200 ms", "--tolerance", "1e-6"]  # of the peg: 20 of its units
 

@@ -9,7 +9,7 @@ from model.cli import main as cli
 from model.runs import in_browser
 from model.runs.in_browser import Modules, interface
 
-PEG = str(Path(__file__).parents[2] / "docs" / "peg.yaml")
+PEG = str(Path(__file__).parents[1] / "square" / "peg.yaml")
 
 
 @pytest.fixture

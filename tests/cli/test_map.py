@@ -49,7 +49,7 @@ def test_a_map_is_written_and_drawn_for_any_device(tmp_path, capsys):
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
-PEG = str(Path(__file__).parents[2] / "docs" / "peg.yaml")
+PEG = str(Path(__file__).parents[1] / "square" / "peg.yaml")
 SI_PLANE = ["--device", PEG, "--x", "tilt_stiffness", "0.4", "0.8", "--y", "frequency", "10", "60"]
 
 

@@ -18,7 +18,7 @@ from model.device.base import (
     restitution_of,
 )
 
-EXAMPLE = Path(__file__).resolve().parents[2] / "docs" / "peg.yaml"
+EXAMPLE = Path(__file__).resolve().parents[1] / "square" / "peg.yaml"
 STEEL = MATERIALS["steel"]
 
 

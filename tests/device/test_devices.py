@@ -12,7 +12,7 @@ from model.device.holder import natural_frequencies
 from model.events.outcomes import Outcome
 from model.physics.quantities import FREQUENCY
 
-EXAMPLE = Path(__file__).resolve().parents[2] / "docs" / "peg.yaml"
+EXAMPLE = Path(__file__).resolve().parents[1] / "square" / "peg.yaml"
 WHOLE = {"half_width": "10 mm", "half_height": "40 mm"}
 HERTZ = {"materials": "steel on aluminium", "edge_radius": "0.2 mm"}
 

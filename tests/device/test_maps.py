@@ -19,7 +19,7 @@ from model.sweeps.settings import Ensemble, RunSettings
 from model.sweeps.starts import every_start, starts_of
 from model.sweeps.sweep import Sweep, margin_of, merge, run
 
-PEG = Path(__file__).parents[2] / "docs" / "peg.yaml"
+PEG = Path(__file__).parents[1] / "square" / "peg.yaml"
 SETTINGS = RunSettings(readings="consistent", horizon=40.0, tolerance=1e-8)
 X = Axis(parameter="tilt_stiffness", start=2.0, stop=16.0, count=17)
 Y = Axis(parameter="press_force", start=1.0, stop=9.0, count=13)

@@ -26,7 +26,7 @@ from model.sweeps.io import write_dataset
 STUDY = load_study(study_path())
 INTERFACE = interface()
 MODULES = Modules(b"\0asm one", b"\0asm many", INTERFACE)
-PEG = Path(__file__).parents[3] / "docs/peg.yaml"
+PEG = Path(__file__).parents[2] / "square/peg.yaml"
 
 
 def model_in(page: str) -> dict[str, Any]:
