@@ -95,7 +95,7 @@ def test_the_yield_of_a_device_that_goes_in_from_no_start_is_said_by_few_devices
     assert lines[1] == f"verdict         {words}"
     assert lines[2] == "starts          goes in from 0 of 32 starts"
     end = lines.index("assumed:")
-    assert lines[end + 7].startswith("  tolerances  as stated: ")
+    assert lines[end + 8].startswith("  tolerances  as stated: ")
     lines = lines[:end]
     shown = lines[next(i for i, line in enumerate(lines) if line.startswith("yield")) :]
     share = share.replace("yield", "yield          ")

@@ -33,7 +33,7 @@ def test_a_map_is_written_and_drawn_for_any_device(tmp_path, capsys):
     # Half of the press force, at most the half-width, from 1 to 5.
     assert "inserted to a depth of 0.5 to " in assumed
     assert {line.split()[0] for line in assumed.splitlines()} == {
-        "start", "touch-down", "goal", "base", "horizon", "precision",
+        "shape", "start", "touch-down", "goal", "base", "horizon", "precision",
     }  # fmt: skip
     assert {line.split()[0] for line in lines.splitlines()} == {
         "goes", "reliable", "vibration", "sensitive",

@@ -192,7 +192,7 @@ def test_a_device_saved_in_another_encoding_is_read_or_refused_with_the_remedy(t
     path = peg(tmp_path, friction="0.15 ± 0.05")
     path.write_bytes(path.read_text(encoding="utf-8").encode(encoding))
     if encoding == "cp1252":
-        with pytest.raises(DeviceError, match="line 19 is not UTF-8 text: save the file as UTF-8"):
+        with pytest.raises(DeviceError, match="line 20 is not UTF-8 text: save the file as UTF-8"):
             load_device(path)
     else:
         assert load_device(path).tolerances["friction"].width == 0.05

@@ -44,7 +44,7 @@ FROZEN = {
     "model.study.config.baseline": "",
     "model.load_device": "path changes",
     "model.StatedDevice": """
-        source quantities tolerances materials free limits changes start shape horizon
+        source quantities tolerances materials free limits changes start stated_shape horizon
         insertion_depth
     """,
     "model.reliable_at": "device settings cores quantities",
