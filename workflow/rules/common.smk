@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from model.study.plans import marks_of, sweep_of
+from model.study.plans import sweep_of
 from model.tracking.code import code_of
 from benchmarks.plans import HARD_PICTURES, PICTURES
 
