@@ -26,7 +26,7 @@ _THIN: Mapping[str, Any] = {"markeredgecolor": style.BLACK, "markeredgewidth": 0
 _MARK: Mapping[str, Any] = {"color": style.BLACK, "linestyle": "none", "markersize": 3.5}
 _RING: Mapping[str, Any] = {**_MARK, "marker": "o", "markersize": 4.5, "markerfacecolor": "none"}
 _CROSS: Mapping[str, Any] = {**_MARK, "marker": "x"}
-_STROKE: Mapping[str, Any] = {**_MARK, "marker": "|", "markersize": 7.0}
+_STROKE: Mapping[str, Any] = {**_MARK, "marker": "|", "markersize": 9.0, "zorder": 1.5}
 _ARROW: Mapping[str, Any] = {**_MARK, "marker": "$\\uparrow$", "markersize": 7.0, "clip_on": False}
 _JUMP = 2.0 * np.pi / 3.0  # a third of a period of the vibration, as a phase
 _NEARLY_ALL = 0.98  # of the points: the rest may lie beyond the axis
@@ -163,6 +163,7 @@ def _draw_curve(
     x, y = (np.insert(values, breaks, np.nan) for values in points)
     look = style.curve(index)
     if np.isnan(y).all():
+        name += ": none"
         look["markevery"] = None  # matplotlib cannot place marks along no line
     (line,) = axes.plot(x, y, label=name, **look)
     lonely = [first for first, end in style.runs_of(~np.isnan(y)) if end - first == 1]
@@ -227,9 +228,10 @@ def _draw_run(axes: Axes, dataset: xr.Dataset, variable: str, label: str) -> Non
         values = dataset[variable].values[row]
         name = f"{style.symbol_of(family)} = {value:g}"
         _draw_curve(axes, row, (swept.values, values), broken[row], name)
-        aligned = np.isfinite(dataset["tau_align"].values[row])
-        if not times and aligned.any():
-            axes.plot(swept.values[aligned], values[aligned], **_STROKE)
+    rows, columns = np.nonzero(np.isfinite(dataset["tau_align"].values))
+    if rows.size and not times:
+        place = swept.values[columns], dataset[variable].values[rows, columns]
+        axes.plot(*place, label="aligns", **_STROKE)
     known = np.isfinite(dataset[variable].values).any(axis=0)
     low, high, beyond = _ends_of_axis(swept.values, known)
     axes.set_xlim(low, high)
