@@ -177,7 +177,8 @@ def _draw_strip(
     strip: Axes, swept: Floats, rows: tuple[Bools, Bools], failed: Bools
 ) -> list[Line2D | Patch]:
     """Draw a row of bars for each curve: full ones for ``rows[0]``, open ones for ``rows[1]``."""
-    edges, notes = style.cell_edges(swept), []
+    edges = style.cell_edges(swept)
+    notes: list[Line2D | Patch] = []
     for label, masks, full in zip(
         (style.NOT_ALIGNED, style.NOT_INSERTED), rows, (1, 0), strict=True
     ):
