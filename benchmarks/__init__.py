@@ -13,7 +13,7 @@ Shared by both:
 The report's section, with data and CPU times from the workflow:
 
 - ``plans``: what it computes, from the configuration
-- ``work_precision``: cost against true error, on usual cases and on those that are hard to integrate
+- ``work_precision``: cost against true error, on usual and on hard cases
 - ``report``: the section and its figures
 
 ``make bench`` runs in an environment of its own (``.venv-bench``), which the study never needs;
