@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from benchmarks.hard_cases import read_judged
 from benchmarks.work_precision import read_settings
 from model import Batch, Parameters, Scene, Variants, align, simulate
 from model.study.csv_tables import TableError
@@ -75,7 +74,7 @@ def test_a_dataset(tmp_path, make):
     assert "build it again" in str(refusal.value)
 
 
-TABLES = {"hard cases": read_judged, "settings": read_settings}
+TABLES = {"settings": read_settings}
 
 
 @pytest.mark.parametrize("read", TABLES.values(), ids=list(TABLES))
