@@ -108,7 +108,8 @@ def caught(folder: Path, edit: tuple[str, str, str] | None) -> subprocess.Comple
         file, old, new = edit
         path = folder / "src/model/compile" / file
         path.write_text(replaced(path, old, new), encoding="utf-8")
-    options = ["-x", "-q", "-p", "no:cacheprovider", "-p", "no:xdist"]
+    paths = f"pythonpath={folder / 'src'} ."  # before those of pyproject.toml
+    options = ["-x", "-q", "-p", "no:cacheprovider", "-p", "no:xdist", "-o", paths]
     files = [f"tests/compile/test_{each}.py" for each in TESTS]
     return subprocess.run(
         [sys.executable, "-m", "pytest", *options, *files],
