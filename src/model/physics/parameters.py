@@ -369,18 +369,18 @@ class Batch:
         return depths
 
     def constants(
-        self, readings: Variants, insertion_depth: float | None = None
+        self, variants: Variants, insertion_depth: float | None = None
     ) -> NDArray[np.float64]:
         """Return the ``Constants`` of each parameter set as a row, shape (n, constants).
 
         ``insertion_depth`` replaces the default, ``insertion_depths``.
         """
         columns = resolved(Given(**self.values))._asdict()
-        if readings.preload == "printed":
+        if variants.preload == "printed":
             columns["rest_y"] = 0.0  # an axial spring relaxed at 0
         if insertion_depth is not None:
             columns["insertion_depth"] = insertion_depth
-        columns |= {f"printed_{name}": readings.is_printed(name) for name in VARIANT_NAMES}
+        columns |= {f"printed_{name}": variants.is_printed(name) for name in VARIANT_NAMES}
         rows = np.empty((len(self), len(_CONSTANTS)))
         for place, name in enumerate(_CONSTANTS):
             rows[:, place] = columns[name]
