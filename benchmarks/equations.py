@@ -10,15 +10,20 @@ A mode is a smooth vector field. It ends when one of its event functions crosses
 coefficients ``Mode``.
 """
 
+import importlib
 import math
 from collections.abc import Callable
 from functools import cache
 from typing import Any, NamedTuple
 
-import numba
 import numpy as np
 
 from model import Parameters
+
+try:
+    numba: Any = importlib.import_module("numba")
+except ImportError:  # in the environment of the study
+    numba = None
 
 STATE_SIZE = 6
 _MOMENT = 1e-5
@@ -221,7 +226,15 @@ def equations(
 
 # --- For numbers --------------------------------------------------------------------------------
 
-jit = numba.njit(error_model="numpy", nogil=True)
+
+def _compiled(*signatures: Any, **options: Any) -> Any:
+    """Return numba's decorator; without numba one that changes nothing, for the tests."""
+    if numba is None:
+        return lambda function: function
+    return numba.njit(*signatures, error_model="numpy", **options)
+
+
+jit = _compiled(nogil=True)
 (
     _touch, _slip_acceleration, _sticking_friction, _left_corner, _rates, _event_functions,
 ) = equations(math.sin, math.cos, jit)  # fmt: skip
@@ -250,9 +263,7 @@ def rates_in(mode: int):
     """Return a compiled ``f(t, y, p) -> dy/dt`` for a mode."""
     coefficients = MODES[mode]
 
-    @numba.njit(
-        ["f8[::1](f8, f8[::1], f8[::1])", "f8[::1](f8, f8[:], f8[::1])"], error_model="numpy"
-    )
+    @_compiled(["f8[::1](f8, f8[::1], f8[::1])", "f8[::1](f8, f8[:], f8[::1])"])
     def rates_of_mode(t, y, p):
         return np.array(_rates(t, y, _device_of(p), coefficients))
 
@@ -264,7 +275,7 @@ def event_in(mode: int, which: int):
     """Return a compiled ``g(t, y, p) -> float``, the event function ``which`` of a mode."""
     coefficients = MODES[mode]
 
-    @numba.njit(["f8(f8, f8[::1], f8[::1])", "f8(f8, f8[:], f8[::1])"], error_model="numpy")
+    @_compiled(["f8(f8, f8[::1], f8[::1])", "f8(f8, f8[:], f8[::1])"])
     def event_of_mode(t, y, p):
         return _event_functions(t, y, _device_of(p), coefficients)[which]
 

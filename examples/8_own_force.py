@@ -31,7 +31,7 @@ with tempfile.TemporaryDirectory() as folder:
     for name, edit in EDITS.items():
         file = Path(folder) / f"model/physics/{name}.py"
         file.write_text(file.read_text("utf-8").replace(*edit), "utf-8")
-    own = {**os.environ, "PYTHONPATH": folder, "NUMBA_DISABLE_JIT": "1"}  # not worth compiling
+    own = {**os.environ, "PYTHONPATH": folder, "VIBRALIGN_NO_COMPILATION": "1"}  # not worth it
     printed = subprocess.check_output([sys.executable, "-c", RUN, *PULLS], env=own)
 for pull, path in zip(PULLS, printed.splitlines(), strict=True):
     plt.plot(*json.loads(path), label=f"pulled by {pull}")

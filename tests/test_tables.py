@@ -183,7 +183,7 @@ print(str(repr(("given", place)) in repr(constant)).lower())
 def test_one_more_parameter_and_result_reach_every_view(tmp_path):
     source, cache = extended(tmp_path), str(tmp_path / "kernels")
     assert told(source, SERIES, VIBRALIGN_CACHE=cache), "the series of the batch engine hold it"
-    found = told(source, VIEWS, VIBRALIGN_CACHE=cache, NUMBA_DISABLE_JIT="1")
+    found = told(source, VIEWS, VIBRALIGN_CACHE=cache, VIBRALIGN_NO_COMPILATION="1")
     assert found["default"] == 0.0
     assert found["constants"] == [0.0, 0.5]
     force, scaled = found["si"]

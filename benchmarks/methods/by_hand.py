@@ -19,10 +19,12 @@ import numpy as np
 
 from benchmarks.methods.base import Method
 from benchmarks.problems import Problem, Solution, Verdict
-from model.compile.jit import inlined_kernel, kernel
+from model.compile.entries import compiled
+from model.compile.kernels import inlined_kernel, kernel
 from model.engines.lifecycle import start
+from model.engines.rates import moved
 from model.engines.record import constants_in
-from model.engines.scalar.step import moved, state_of, store_in
+from model.engines.scalar.step import state_of, store_in
 from model.events.event_functions import (
     FLAT,
     LARGEST_TILT,
@@ -32,6 +34,7 @@ from model.events.event_functions import (
     largest,
     not_fallen_in,
 )
+from model.events.kernels import in_kernels
 from model.events.scenes import ALIGNMENT
 from model.physics.contacts import contact_load, corner_on_flat, edge_on_face, edge_on_side
 from model.physics.forces import applied_forces
@@ -42,7 +45,7 @@ from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, STATE_SIZE, State
 from model.physics.parameters import Batch, Parameters
 from model.runs.settings import Settings
 
-_EVERY_CONTACT = ALIGNMENT.declared
+_EVERY_CONTACT, _EVENTS = in_kernels(ALIGNMENT)
 
 
 @inlined_kernel
@@ -122,6 +125,7 @@ def euler_step(h, q, k1):
     return State(x, y, tilt, x_rate, y_rate, tilt_rate)
 
 
+@compiled
 @kernel
 def run_each(rows, euler, h, horizon, most_steps, out):
     """Run all rows of constants; write (fallen in, finished, steps, time, state) into ``out``.
@@ -130,7 +134,7 @@ def run_each(rows, euler, h, horizon, most_steps, out):
     unfinished after ``most_steps``.
     """
     for row in range(rows.shape[0]):
-        p = constants_in(rows[row])
+        p = constants_in(_EVENTS, rows[row])
         q, _ = start(p, _EVERY_CONTACT)
         steps, time, fallen_in, finished = 0, 0.0, False, False
         while steps < most_steps and not finished:
@@ -143,16 +147,21 @@ def run_each(rows, euler, h, horizon, most_steps, out):
         store_in(q, out[row, 4:])
 
 
+@compiled
 @kernel
-def write_rates(time, y, row, out):
-    """Write ``rates`` with the constants in ``row`` into ``out``; ``y`` and ``out``: shape (6,)."""
-    store_in(rates(time, state_of(y), constants_in(row)), out)
+def write_rates(at, row, out):
+    """Write ``rates`` with the constants in ``row`` into ``out``, shape (6,).
+
+    ``at`` holds time and state, shape (7,).
+    """
+    store_in(rates(at[0], state_of(at[1:]), constants_in(_EVENTS, row)), out)
 
 
+@compiled
 @kernel
-def outside_of(y, row):
-    """Return ``outside`` with the constants in ``row``."""
-    return outside(state_of(y), constants_in(row))
+def outside_of(at, row):
+    """Return ``outside`` at time and state in ``at``, with the constants in ``row``."""
+    return outside(state_of(at[1:]), constants_in(_EVENTS, row))
 
 
 Scheme = Literal["rk4", "semi_implicit_euler"]

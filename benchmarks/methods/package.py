@@ -8,8 +8,10 @@ import numpy as np
 
 from benchmarks.methods.base import Method
 from benchmarks.problems import Floats, Problem, Solution, failure_of, simulated
-from model.engines.batch.event_kernels import in_vector_kernels
-from model.engines.batch.scheduling import integrate_all, new_batch_memory
+from model.compile.entries import compiled
+from model.engines.batch import scheduling
+from model.engines.batch.lane_events import lane_events_of
+from model.engines.batch.scheduling import new_batch_memory
 from model.engines.queue import new_queue
 from model.engines.record import STATE
 from model.engines.results import RunResult
@@ -20,6 +22,8 @@ from model.runs.align import align, run_once
 from model.runs.engines import Engine, batch_engine
 from model.runs.errors import estimate
 from model.runs.settings import Settings
+
+_begin_all, _integrate_all = compiled(scheduling.begin_all), compiled(scheduling.integrate_all)
 
 
 class Package(Method):
@@ -81,10 +85,13 @@ class BatchEngine(Package):
 def _last_run(settings: Settings, rows: Floats, tolerance: Floats) -> tuple[float, Outcome, Floats]:
     """Return (alignment time, outcome, final state) of one run of the batch engine."""
     results = np.empty((1, len(RunResult._fields)))
-    _, method, control = settings.for_kernels
-    scene = in_vector_kernels(settings.scene)
-    many, queue = new_batch_memory(scene, settings.may_settle), new_queue(waiting=1, threads=1)
-    integrate_all(rows, tolerance, scene, method, control, queue, results, many)
+    scene, control = settings.for_kernels
+    lanes, queue = lane_events_of(scene.events), new_queue(waiting=1, threads=1)
+    many = new_batch_memory(lanes, settings.may_settle)
+    arguments = rows, tolerance, scene, lanes, control, queue, results, many
+    _begin_all(*arguments)
+    while (missing := _integrate_all(*arguments)) >= 0:
+        lanes.series.load(missing)
     result = RunResult(*results[0].tolist())
     state = many.runs[0, STATE : STATE + STATE_SIZE].copy()
     return result.tau_align, Outcome(int(result.outcome)), state

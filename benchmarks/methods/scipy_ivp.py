@@ -1,5 +1,6 @@
 """scipy's ``solve_ivp`` with compiled right-hand side and events, restarted at every event."""
 
+import importlib
 import math
 from collections.abc import Callable, Sequence
 from time import process_time
@@ -35,6 +36,7 @@ class ScipyIvp(Method):
     formulation = "numba right-hand side and events, restart at each event"
 
     def __init__(self, name: str) -> None:
+        importlib.import_module("numba")  # else the right-hand sides would be Python
         self.name, self.method = f"scipy {name}", name
         self._rates = {mode: rates_in(mode) for mode in EVENTS}
         self._events = {

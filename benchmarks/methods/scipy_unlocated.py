@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 from benchmarks.methods.base import Method
 from benchmarks.methods.by_hand import outside_of, solve_by_hand, write_rates
 from benchmarks.problems import Floats, Problem, Solution, Verdict
-from model.compile.jit import entry_point
+from model.compile.entries import bound
 from model.physics.notation import STATE_SIZE
 from model.physics.parameters import Batch, Parameters
 
@@ -43,23 +43,24 @@ class ScipyUnlocated(Method):
 
     def _solve_one(self, problem: Problem, parameters: Parameters, resolution: float) -> Solution:
         row = Batch.stack([parameters]).constants(problem.settings.readings)[0]
-        write, fall_of = entry_point(write_rates), entry_point(outside_of)
         # With one evaluation allowed RK4 makes no step, and returns the start.
         at_once = replace(problem.settings, max_evaluations=1)
         begun = solve_by_hand(Batch.stack([parameters]), "rk4", 1.0, at_once).states[0, 0]
-        evaluations = 0
+        evaluations, at, out = 0, np.empty(1 + STATE_SIZE), np.empty(STATE_SIZE)
+        write, fall_of = bound(write_rates, at, row, out), bound(outside_of, at, row)
 
         def rates_at(moment: float, y: Floats) -> Floats:
             nonlocal evaluations
             evaluations += 1
             if evaluations > problem.interpreted_evaluations:
                 raise _TooManyEvaluationsError
-            dy = np.empty(STATE_SIZE)
-            write(moment, y, row, dy)
-            return dy
+            at[0], at[1:] = moment, y
+            write()
+            return out.copy()
 
-        def fall(_: float, y: Floats) -> float:
-            return fall_of(y, row)
+        def fall(moment: float, y: Floats) -> float:
+            at[0], at[1:] = moment, y
+            return fall_of()
 
         def ended(tau: float, state: Floats, failure: Verdict | None) -> Solution:
             return Solution(np.array([tau]), state.reshape(1, 1, 6), evaluations, failure)

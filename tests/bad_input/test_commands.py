@@ -255,7 +255,7 @@ def test_a_run_without_compiled_kernels(tmp_path, capsys):
     line = ["simulate", "--horizon", "1", "--json"]
     assert cli.main(line) == cli.DONE
     compiled = json.loads(capsys.readouterr().out)
-    done = run_with(line, NUMBA_DISABLE_JIT="1", VIBRALIGN_CACHE=str(tmp_path))
+    done = run_with(line, VIBRALIGN_NO_COMPILATION="1", VIBRALIGN_CACHE=str(tmp_path))
     assert done.returncode == cli.DONE, done.stderr
     python = json.loads(done.stdout)
     assert compiled["outcome"] == python["outcome"]

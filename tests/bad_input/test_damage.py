@@ -1,18 +1,19 @@
 """A file that is empty, cut off or something else is made again, or refused with the remedy."""
 
-import itertools
 import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 import xarray as xr
 
-from model.compile import jit
+from model.compile import cache, machine_code
+from model.compile.entries import compiled
+from model.compile.kernels import kernel
+from model.compile.webassembly import WebAssembly
 from model.device import DeviceError, load_device
 from model.runs import in_browser
 from model.study.claims.ledger import read_ledger
@@ -35,6 +36,7 @@ DAMAGES: dict[str, Callable[[bytes], bytes]] = {
 }
 
 
+@kernel
 def halved(x):
     return 0.5 * x
 
@@ -42,13 +44,15 @@ def halved(x):
 class Kernel:
     """The compiled code of a kernel: compiled again."""
 
-    def __init__(self, folder: Path, monkeypatch: pytest.MonkeyPatch, kind: str) -> None:
-        monkeypatch.setattr(jit, "_CACHE_FOLDER", str(folder))
+    def __init__(self, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.setattr(cache, "cache_folder", lambda: folder)
         self.use()
-        (self.path,) = folder.rglob(f"*.{kind}")
+        (self.path,) = folder.iterdir()
 
     def use(self) -> None:
-        assert jit.kernel(halved)(8.0) == 4.0
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(machine_code, "_LOADED", {})  # as in another process
+            assert compiled(halved)(8.0) == 4.0
 
 
 class Outline:
@@ -67,21 +71,14 @@ class Page:
     """The engines of a page: compiled again."""
 
     def __init__(self, folder: Path, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
-        made = SimpleNamespace(name="", stack=0, binary=b"\0asm" + bytes(range(200)))
-        names = itertools.cycle(["run_one", "run_many"])
-        for engine in ("_scalar", "_batch"):
-            monkeypatch.setattr(
-                in_browser, engine, lambda _: (SimpleNamespace(name=next(names)), 8)
-            )
-        monkeypatch.setattr(in_browser, "compile_modules", lambda _: [made, made])
-        monkeypatch.setattr(in_browser, "_folder", lambda: folder / "webassembly")
-        monkeypatch.setattr(in_browser.subprocess, "run", self.compile)
+        made = WebAssembly(b"\0asm" + bytes(range(200)), stack=0)
+        declared = in_browser._Declared(None, {"given": np.zeros(1)}, {})
+        engines = dict.fromkeys(["run_one", "run_many"], declared)
+        monkeypatch.setattr(in_browser, "_declared", lambda _: engines)
+        monkeypatch.setattr(in_browser, "web_assembly_of", lambda _: made)
+        monkeypatch.setattr(in_browser, "_folder", lambda _: folder / "webassembly")
         self.path = folder / "webassembly" / name
         self.use()
-
-    def compile(self, command: list[str], **_: Any) -> Any:
-        in_browser._compile(Path(command[-1]))
-        return SimpleNamespace(returncode=0)
 
     def use(self) -> None:
         assert in_browser.modules().run_many.startswith(b"\0asm")
@@ -101,8 +98,7 @@ class Sidecar:
 
 
 MADE_AGAIN: dict[str, Callable[[Path, pytest.MonkeyPatch], Any]] = {
-    "index of a kernel": lambda folder, patch: Kernel(folder, patch, "nbi"),
-    "code of a kernel": lambda folder, patch: Kernel(folder, patch, "nbc"),
+    "kernel": Kernel,
     "outline of a source": Outline,
     "interface of a page": lambda folder, patch: Page(folder, patch, "interface.json"),
     "engine of a page": lambda folder, patch: Page(folder, patch, "run_many.wasm"),

@@ -19,7 +19,8 @@ def solved(case, scheme, step, **changes):
 
 
 def outside(case, solution):
-    return outside_of(solution.states[0, 0], Batch.stack([case]).constants(Variants())[0])
+    at = np.array([0.0, *solution.states[0, 0]])
+    return outside_of(at, Batch.stack([case]).constants(Variants())[0])
 
 
 @pytest.fixture(scope="module")

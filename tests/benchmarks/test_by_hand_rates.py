@@ -7,6 +7,7 @@ import pytest
 
 from benchmarks.methods import by_hand
 from model import Variants
+from model.compile.entries import compiled
 from model.engines.scalar.step import state_of
 from model.events.event_functions import corner_positions, edge_inside
 from model.physics.contacts import contact_load, corner_on_flat, edge_on_face, edge_on_side
@@ -31,12 +32,12 @@ def p(request, device, constants):
 
 def rates(time, y, p):
     out = np.empty(6)
-    by_hand.write_rates(time, y, np.array(p), out)
+    by_hand.write_rates(np.array([time, *y]), np.array(p), out)
     return out
 
 
 def outside(y, p):
-    return by_hand.outside_of(y, np.array(p))
+    return by_hand.outside_of(np.array([0.0, *y]), np.array(p))
 
 
 # --------------------------------------------------------------------- the modes that a state is in
@@ -193,6 +194,9 @@ def test_outside_falls_through_zero_with_the_criterion_in_force(device, constant
 # ----------------------------------------------------------------------------------- order of steps
 
 HALVINGS = 6
+rates_at, rk4_step, euler_step = map(
+    compiled, (by_hand.rates, by_hand.rk4_step, by_hand.euler_step)
+)
 
 
 def integrated(scheme, p, count):
@@ -200,12 +204,8 @@ def integrated(scheme, p, count):
     q = state_of(np.array([*standing(RIGHT_EDGE, 0.5, 0.05, 0.1, p), 0.1, -0.5, 0.0, 0.0]))
     h = 0.2 / count
     for i in range(count):
-        k1 = by_hand.rates(i * h, q, p)
-        q = (
-            by_hand.rk4_step(i * h, h, q, k1, p)
-            if scheme == "rk4"
-            else by_hand.euler_step(h, q, k1)
-        )
+        k1 = rates_at(i * h, q, p)
+        q = rk4_step(i * h, h, q, k1, p) if scheme == "rk4" else euler_step(h, q, k1)
         assert overlaps(np.array(q), p) == {"right_face"}, "the stretch is smooth"
         contact = edge_on_face(RIGHT_EDGE, q, p)
         assert contact.slip < -0.1

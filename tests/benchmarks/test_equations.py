@@ -5,7 +5,6 @@ from benchmarks import equations as peer
 from benchmarks.equations import device
 from benchmarks.trajectories import W1, W3
 from model import Batch, Parameters, Variants
-from model.compile.jit import kernel
 from model.physics.modes import (
     CLOSED,
     OPEN,
@@ -36,11 +35,6 @@ SAME_MODE = {
 }
 
 
-@kernel
-def project_motion(time, q, p, mode):
-    return motion(time, q, p, mode)
-
-
 @pytest.mark.parametrize("case", [W1, W3], ids=["W1", "W3"])
 @pytest.mark.parametrize("mode", list(peer.EVENTS))
 def test_the_peers_motion_is_the_projects_in_every_mode(mode: int, case: Parameters) -> None:
@@ -54,7 +48,7 @@ def test_the_peers_motion_is_the_projects_in_every_mode(mode: int, case: Paramet
         time = generator.uniform(0.0, 10.0)
         rates = rates_at(time, y, p)
         functions = {which: function(time, y, p) for which, function in functions_at.items()}
-        expected = project_motion(time, State(*y.tolist()), constants, SAME_MODE[mode])
+        expected = motion(time, State(*y.tolist()), constants, SAME_MODE[mode])
         size = 1.0 + np.abs(rates).max()
         assert np.array_equal(rates[:3], y[3:])
         # some ten sums and products of numbers of that size

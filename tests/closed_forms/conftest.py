@@ -13,12 +13,12 @@ import numpy as np
 import pytest
 
 from model import ALIGNMENT, Batch, Parameters, Scene, Variants
-from model.compile.jit import entry_point
+from model.compile.entries import bound, compiled
 from model.engines.lifecycle import NOISE, Control, begin
 from model.engines.record import AT, MODE, STATE
-from model.engines.scalar.loop import TRACK_COLUMNS, advance, new_scalar_memory
+from model.engines.scalar import loop
+from model.engines.scalar.loop import TRACK_COLUMNS, new_scalar_memory
 from model.engines.scalar.step import interpolate
-from model.engines.scalar.tableaux import DOP853
 from model.events.kernels import in_kernels
 from model.events.outcomes import Outcome, Reason
 from model.events.transitions import CONTINUES
@@ -27,6 +27,7 @@ from model.physics.notation import State
 from model.physics.parameters import Constants
 from tests.engines.steps import Steps
 
+advance = compiled(loop.advance)
 LOCKED = 1e12
 """An inertia so large that no moment of these scenes turns the part."""
 
@@ -66,21 +67,22 @@ class SteppedRun:
         self.p = Constants(*row.tolist())._replace(**changes)
         row = np.array(self.p)
         self.parameters, self.steps = parameters, []
-        single = new_scalar_memory(DOP853.method)
+        single = new_scalar_memory()
         # Only in the slot may a run settle.
         noise = NOISE * tolerance * (scene is not ALIGNMENT)
         control = Control(horizon, 50_000_000, noise, alignment_only=0.0, pressed=0.0)
         runs, track = single.runs, np.empty((0, TRACK_COLUMNS))
-        kernels, step = in_kernels(scene), entry_point(advance)
-        begin(row, tolerance, kernels, control, runs, 0)
+        events = in_kernels(scene)
+        begin(row, tolerance, events, control, runs, 0)
         if state is not None:
             runs[0, AT.outcome], runs[0, AT.reason] = CONTINUES, 0.0
             runs[0, STATE : STATE + 6] = state
             runs[0, MODE : MODE + len(mode)] = mode
             runs[0, AT.tau_align] = tau_align
+        step = bound(advance, events, control, track, single.history, single.work, runs, 0)
         begun = _present(runs)
         while runs[0, AT.outcome] == CONTINUES:
-            step(kernels, DOP853.method, control, track, single.history, single.work, runs, 0)
+            step()
             ended = _present(runs)
             self.steps.append(Step(*begun, *ended))
             begun = ended

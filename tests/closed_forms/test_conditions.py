@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 from model import ALIGNMENT
 from model.events.event_functions import FLAT
 from model.events.friction import decide_friction
-from model.events.kernels import ALIGNMENT_EVENTS
+from model.events.kernels import events_of, transition
 from model.events.outcomes import Outcome, Reason
 from model.events.table import CORNER_END
 from model.events.transitions import CONTINUES
@@ -110,8 +110,8 @@ def test_a_corner_that_slides_into_the_slot_past_the_edge_aligns(device, constan
     for off in (-1e-16, 0.0, 1e-16):
         x = p.half_width * cos(tilt) - p.half_height * sin(tilt) - p.slot_half_width + off
         q = State(x, p.half_height - 2e-3, tilt, 1.0, -0.1, 0.0)
-        after, outcome, reason = ALIGNMENT_EVENTS.transition(
-            CORNER_END, 0.1, q, p, mode, ALIGNMENT.declared
+        after, outcome, reason = transition(
+            events_of(ALIGNMENT.events), CORNER_END, 0.1, q, p, mode, ALIGNMENT.declared
         )
         assert (outcome, reason) == (Outcome.ALIGNED, Reason.NONE)
         assert after.dropped

@@ -8,14 +8,14 @@ energy stored there. Integrals over a step are by Gauss's rule, on the dense out
 """
 
 from dataclasses import replace
-from math import sin
 from typing import NamedTuple
 
 import numpy as np
 import pytest
 
 from model import Batch, Outcome, Parameters, Settings, Variants
-from model.compile.jit import kernel
+from model.compile.entries import compiled
+from model.compile.kernels import kernel
 from model.engines.lifecycle import begin
 from model.engines.record import AT, STATE, constants_in, mode_of, state_in
 from model.engines.scalar.loop import TRACK_COLUMNS, advance, new_scalar_memory, new_workspace
@@ -32,6 +32,7 @@ from model.physics.contacts import corner_on_flat, dot, edge_on_face, edge_on_si
 from model.physics.modes import CLOSED, RELEASED
 from model.physics.motion import motion, side_contact, support_contact
 from model.physics.notation import LEFT_EDGE
+from model.physics.trigonometry import sine_cosine
 from verification.fuzz import draw
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
@@ -88,7 +89,8 @@ def stored(q, p, mode):
 def powers(time, q, p, mode):
     """(power of excitation and press force, power dissipated)."""
     forces = motion(time, q, p, mode)
-    work = -(p.press_force + sin(p.frequency * time + p.phase)) * q.y_rate
+    excitation, _ = sine_cosine(p.frequency * time + p.phase)
+    work = -(p.press_force + excitation) * q.y_rate
     lost = p.lateral_damping * q.x_rate**2 + p.axial_damping * q.y_rate**2
     lost += p.tilt_damping * q.tilt_rate**2 + in_bases(q, p, mode)[1]
     tangent, beside = support_contact(q, p, mode).tangent, side_contact(q, p, mode).tangent
@@ -97,15 +99,16 @@ def powers(time, q, p, mode):
     return work, lost
 
 
+@compiled
 @kernel
 def balance_of(
-    row, judged, tolerance, scene, method, control, track, single, apart, nodes, weights,
+    row, judged, tolerance, scene, control, track, single, apart, nodes, weights,
 ):  # fmt: skip
     """Run ``row``, and balance the energy of every step with the constants ``judged``."""
     runs, history, work = single.runs, single.history, single.work
     i = runs.shape[0] - 1
     begin(row, tolerance, scene, control, runs, i)
-    p = constants_in(judged)
+    p = constants_in(scene.events, judged)
     start = stored(state_in(runs, STATE, i), p, mode_of(runs, i))
     y, k, end, trial, dense = apart.y, apart.k, apart.y_end, apart.trial, apart.dense
     done = taken = lost = least = 0.0
@@ -113,12 +116,12 @@ def balance_of(
     while runs[i, AT.outcome] == CONTINUES and np.isnan(runs[i, AT.tau_align]):
         time, mode = runs[i, AT.time], mode_of(runs, i)
         store_in(state_in(runs, STATE, i), y)
-        advance(scene, method, control, track, history, work, runs, i)
+        advance(scene, control, track, history, work, runs, i)
         length = runs[i, AT.time] - time
         if length > 0.0:
             right_hand_side(time, y, p, mode, k[0])
-            take_step(time, length, y, p, mode, method, k, end)
-            dense_output(time, length, y, p, mode, method, k, trial, dense)
+            take_step(time, length, y, p, mode, k, end)
+            dense_output(time, length, y, p, mode, k, trial, dense)
         for node in range(len(nodes) if length > 0.0 else 0):
             theta, weight = nodes[node], weights[node]
             q = interpolate(theta, length, y, dense)
@@ -140,12 +143,12 @@ def balance(
     parameters: Parameters, settings: Settings, judged: Parameters | None = None
 ) -> Balance:
     rows = Batch.stack([parameters, judged or parameters]).constants(Variants.consistent())
-    scene, method, control = settings.for_kernels
-    track, single = np.empty((0, TRACK_COLUMNS)), new_scalar_memory(method)
+    scene, control = settings.for_kernels
+    track = np.empty((0, TRACK_COLUMNS))
     return Balance(
         *balance_of(
-            *rows, settings.tolerance, scene, method, control, track, single,
-            new_workspace(method), NODES, WEIGHTS,
+            *rows, settings.tolerance, scene, control, track, new_scalar_memory(),
+            new_workspace(), NODES, WEIGHTS,
         )
     )  # fmt: skip
 

@@ -19,19 +19,21 @@ FROZEN = {
     "model.simulate": "parameters settings changes",
     "model.align": "batch settings cores engine changes",
     "model.Settings": """
-        readings scene start insertion_depth horizon tolerance max_evaluations may_settle
+        readings shape scene start insertion_depth horizon tolerance max_evaluations may_settle
         alignment_only
     """,
     "model.Trajectory": """
         tau_align tau_error tau_corners_inside outcome reason sensitive tilt_at_alignment
         tilt_max separations contact_force_max sticking_share rhs_evaluations period
-        tau_inserted insertion_error side_force_max steps events parameters time state
+        tau_inserted insertion_error edge_force_max corner_force_max side_force_max wall_force_max
+        steps events parameters time state
         contact_force side_force right_force
     """,
     "model.Alignments": """
         tau_align tau_error tau_corners_inside outcome reason sensitive tilt_at_alignment
         tilt_max separations contact_force_max sticking_share rhs_evaluations period
-        tau_inserted insertion_error side_force_max steps events
+        tau_inserted insertion_error edge_force_max corner_force_max side_force_max wall_force_max
+        steps events
     """,
     "model.Parameters": """
         half_width half_height clearance misalignment initial_tilt inertia lateral_stiffness
@@ -42,7 +44,8 @@ FROZEN = {
     "model.study.config.baseline": "",
     "model.load_device": "path changes",
     "model.StatedDevice": """
-        source quantities tolerances materials free limits changes start horizon insertion_depth
+        source quantities tolerances materials free limits changes start shape horizon
+        insertion_depth
     """,
     "model.reliable_at": "device settings cores quantities",
     "model.device.yields.yield_of": "stated starts settings cores devices seed indices",

@@ -27,8 +27,8 @@ def standing(device):
 
     def make(at_once):
         settings = Settings(horizon=1.0)
-        scene, method, control = settings.for_kernels
-        runs = new_scalar_memory(method).runs
+        scene, control = settings.for_kernels
+        runs = new_scalar_memory().runs
         row = Batch.stack([device]).constants(Variants())[0]
         begin(row, settings.tolerance, scene, control, runs, 0)
         runs[0, AT.events_at_once] = at_once
@@ -49,9 +49,10 @@ def standing(device):
 def test_a_moment_passes_if_it_makes_no_difference_which_mode_holds(
     standing, at_once, before, moment
 ):
+    scene, _ = Settings().for_kernels
     runs = standing(at_once)
     state = runs[0, STATE : STATE + STATE_SIZE].copy()
-    skip_chatter(before, runs, 0)
+    skip_chatter(scene, before, runs, 0)
     assert runs[0, AT.time] == pytest.approx(moment, rel=1e-12)
     assert np.array_equal(runs[0, STATE : STATE + STATE_SIZE], state) is (moment == 0.0)
     assert runs[0, AT.rhs_evaluations] < 20

@@ -7,14 +7,13 @@ from scipy.optimize import brentq, minimize_scalar
 from model import Outcome, Parameters, Reason, Settings, align, simulate
 from model.engines.scalar.location import NO_EVENT
 from model.engines.scalar.step import state_of
-from model.events.friction import hold_sticking
-from model.events.kernels import ALIGNMENT_EVENTS, MOST_SAMPLES
+from model.events.kernels import MOST_SAMPLES, sample_into
 from model.events.table import FACE_GAP, FACE_LOAD, RIGHT_CORNER_LANDS, RIGHT_EDGE_ENTERS
 from model.events.transitions import CONTINUES
 from model.physics.geometry import bottom_corner, edge_place
 from model.physics.modes import CLOSED, OPEN, START
 from model.physics.notation import RIGHT_EDGE
-from tests.engines.steps import Steps
+from tests.engines.steps import ALIGNMENT_EVENTS, Steps
 
 FLIGHT = START._replace(face=OPEN)
 H = 0.2  # a step in flight: a fortieth of the slowest period
@@ -103,7 +102,7 @@ def through(flight, y, mode, until):
             assert outcome == CONTINUES
             met.append(which)
             assert len(met) < 50  # no chatter
-        y = np.array(hold_sticking(state_of(y), flight.p, mode))
+        y = flight.held(y, mode)
     return y, mode, met
 
 
@@ -143,9 +142,8 @@ def test_the_earliest_of_nearly_simultaneous_events_comes_first(device, constant
     for tilt in (1e-4, -1e-4):
         y = landing(flight.p, tilt)
         which, when = flight.first(y)
-        ALIGNMENT_EVENTS.sample_into(
-            when, state_of(flight.state(y, when)), flight.p, FLIGHT, scratch
-        )
+        q = state_of(flight.state(y, when))
+        sample_into(ALIGNMENT_EVENTS, when, q, flight.p, FLIGHT, scratch)
         others = np.delete(scratch[[RIGHT_EDGE_ENTERS, RIGHT_CORNER_LANDS]],
                            [RIGHT_EDGE_ENTERS, RIGHT_CORNER_LANDS].index(which))  # fmt: skip
         assert abs(scratch[which]) < 1e-11  # the dense output's error

@@ -11,20 +11,18 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from model.compile.jit import entry_point
 from model.engines.scalar.location import NO_EVENT
 from model.engines.scalar.step import error_estimate
 from model.engines.scalar.tableaux import DOP853
-from model.events import friction
-from model.events.kernels import ALIGNMENT_EVENTS
+from model.events.friction import decide_friction
 from model.events.table import EVENTS
 from model.events.transitions import CONTINUES
 from model.physics.geometry import resting_height
 from model.physics.modes import START, Mode
-from tests.engines.steps import Steps, interpolate, state_of
+from model.physics.notation import State
+from tests.engines.steps import Steps, interpolate
 
 NAMES = [event.name.upper() for event in EVENTS]
-hold_sticking = entry_point(friction.hold_sticking)
 
 
 class Met(NamedTuple):
@@ -39,21 +37,18 @@ class Met(NamedTuple):
 class FixedSteps(Steps):
     """Runs with equal steps that are repeated up to each event."""
 
-    def value(self, which, time, y, mode):
-        return ALIGNMENT_EVENTS.level(which, time, state_of(y), self.p, mode)
-
     def to_event(self, which, theta, time, h, y, mode):
         """(length, state): Newton's iteration on whole steps, slope from the dense output."""
         low, high = max(theta - 1e-3, 0.0), min(theta + 1e-3, 1.0)
         ends = [np.array(interpolate(at, h, y, self.dense)) for at in (low, high)]
         values = [
-            self.value(which, time + at * h, end, mode)
+            self.level(which, time + at * h, end, mode)
             for at, end in zip((low, high), ends, strict=True)
         ]
         slope, length = (values[1] - values[0]) / ((high - low) * h), theta * h
         for _ in range(4):
             end = self.step(time, length, y, mode)
-            value = self.value(which, time + length, end, mode)
+            value = self.level(which, time + length, end, mode)
             length = min(max(length - value / slope, 0.0), h)
         return length, self.step(time, length, y, mode)
 
@@ -78,14 +73,14 @@ class FixedSteps(Steps):
                     mode = after
                     if outcome != CONTINUES and NAMES[which] not in ("ALIGNED", "FACE_END"):
                         return y, mode, met
-                y = np.array(hold_sticking(state_of(y), self.p, mode))
+                y = self.held(y, mode)
         return y, mode, met
 
     def start(self):
         """State and mode at rest, touching the edge."""
         y = np.zeros(6)
         y[0], y[1], y[2] = self.p.misalignment, resting_height(self.p), self.p.initial_tilt
-        return y, friction.decide_friction(0.0, state_of(y), self.p, START, True, True)[0]
+        return y, decide_friction(0.0, State(*y), self.p, START, True, True)[0]
 
 
 HOPS = {"frequency": 10.0}
@@ -187,7 +182,7 @@ def test_order_of_the_error_estimate(begun, stretch):
         row = []
         for h in sizes:
             steps.step(time, h, y, mode)
-            row.append(error_estimate(h, y, steps.end, DOP853.method, steps.k, 1.0))
+            row.append(error_estimate(h, y, steps.end, steps.k, 1.0))
         logs.append(np.log(row))
         y, _, met = FixedSteps(p).run(time, y, mode, time + ahead, 2)
         assert not met

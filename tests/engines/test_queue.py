@@ -5,10 +5,12 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
-from model.compile.jit import kernel
+from model.compile.entries import compiled
+from model.compile.kernels import kernel
 from model.engines.queue import fair_share, new_queue, next_in
 
 
+@compiled
 @kernel
 def take_all(queue, waiting, taken):
     row = next_in(queue)

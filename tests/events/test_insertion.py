@@ -1,11 +1,15 @@
 """The insertion scene: the same alignment as without it, and both engines agree on the end."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from model import INSERTION, Batch, Outcome, Settings, align, simulate
+from model.engines.results import RunResult
 from model.events.outcomes import InsertionOutcome, Reason
 from model.runs.align import run_once
+from model.runs.engines import batch_engine, scalar_engine
 from model.runs.errors import outcomes_differ
 from model.runs.insertion_outcome import insertion_outcomes
 from model.runs.trace import trace_run
@@ -73,6 +77,20 @@ def test_both_scenes_have_the_same_alignment(batch):
     assert same
     left = before["outcome"] != Outcome.ALIGNED
     assert (before["outcome"] == after["outcome"])[left].all()
+
+
+@pytest.mark.parametrize("engine", [batch_engine, scalar_engine])
+def test_a_run_of_this_scene_may_end_at_alignment(batch, engine):
+    settings = Settings(horizon=80.0, alignment_only=True)
+    rows, tolerances = settings.rows(batch), np.full(SETS, settings.tolerance)
+    before, after = (
+        RunResult(*engine(each)(rows, tolerances).T)
+        for each in (settings, replace(settings, scene=INSERTION))
+    )
+    assert (before.outcome == after.outcome).all()
+    assert (before.reason == after.reason).all()
+    assert before.tau_align == pytest.approx(after.tau_align, abs=1e-9, nan_ok=True)
+    assert Outcome.ALIGNED in after.outcome
 
 
 def test_aligned_runs_are_followed_into_the_slot(batch, by_engine):

@@ -6,18 +6,18 @@ A creep under a fast transient must not pass for a periodic steady state.
 import numpy as np
 import pytest
 
-from model import Outcome, Parameters, simulate
+from model import ALIGNMENT, Outcome, Parameters, simulate
+from model.compile.entries import compiled
+from model.events import steady_state
 from model.events.event_functions import NEVER
-from model.events.kernels import ALIGNMENT_EVENTS, MOST_EVENTS
-from model.events.steady_state import (
-    HISTORY,
-    LONGEST_PERIOD,
-    record_closest,
-    record_state,
-    settled_period,
-)
+from model.events.kernels import MOST_EVENTS, events_of
+from model.events.steady_state import HISTORY, LONGEST_PERIOD
 from model.events.table import ALIGNED, FACE_LOAD
 
+record_closest, record_state, settled_period = map(
+    compiled,
+    (steady_state.record_closest, steady_state.record_state, steady_state.settled_period),
+)
 NOISE = 1e-8
 FAR = 1.0
 
@@ -25,7 +25,7 @@ FAR = 1.0
 @pytest.fixture(scope="module")
 def first_settled(device, constants):
     """(count, period) at which a sequence of states, shape (n, 6), is first called settled."""
-    p = constants(device)
+    p, events = constants(device), events_of(ALIGNMENT.events)
 
     def make(states, closest=FAR, which=ALIGNED):
         history = np.full((HISTORY, 6), np.nan)
@@ -35,7 +35,7 @@ def first_settled(device, constants):
         for count, state in enumerate(states, start=1):
             record_state(count, np.ones(6) * state, history)
             record_closest(count, functions, lowest)
-            period = settled_period(ALIGNMENT_EVENTS, count, 1.0, history, lowest, p, NOISE)
+            period = settled_period(events, count, 1.0, history, lowest, p, NOISE)
             if period:
                 return count, period
         return None

@@ -10,11 +10,10 @@ import numpy as np
 import pytest
 
 from model import Variants
-from model.compile.cache import PACKAGE
-from model.events import kernels
+from model.compile.identity import PACKAGE, identity_of
 from model.events.event_functions import NEVER
 from model.events.insertion import INSERTION
-from model.events.kernels import ALIGNMENT_EVENTS, MOST_SAMPLES
+from model.events.kernels import MOST_SAMPLES, events_of, level, sample_into
 from model.events.table import EVENTS
 from model.physics.contacts import contact_load, edge_on_face
 from model.physics.modes import (
@@ -28,6 +27,7 @@ from model.physics.modes import (
 from model.physics.motion import motion
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
 
+ALL = events_of(EVENTS)
 ROUNDING = 1e-13
 FREE = START._replace(face=OPEN)
 ON_CORNER = START._replace(face=OPEN, corner=CLOSED, slip_at_corner=True)
@@ -46,7 +46,7 @@ def sample(p):
     def make(mode, time=0.0, **changes):
         q = State(0.0, p.half_height + 1.0, 0.0, 0.0, 0.0, 0.0)._replace(**changes)
         out = np.empty(MOST_SAMPLES)
-        ALIGNMENT_EVENTS.sample_into(time, q, p, mode, out)
+        sample_into(ALL, time, q, p, mode, out)
         return {name: out[index] for name, index in INDEX.items()}
 
     return make
@@ -115,9 +115,9 @@ def test_one_function_alone_is_as_in_the_sample(device, constants, random_states
     released = START._replace(face=RELEASED, side=RELEASED, corner=RELEASED)
     for mode in (FREE, START, ON_CORNER._replace(side=CLOSED), released):
         for q in (State(*y) for y in random_states(20)):
-            ALIGNMENT_EVENTS.sample_into(0.3, q, p, mode, out)
+            sample_into(ALL, 0.3, q, p, mode, out)
             for which in np.flatnonzero(out[: len(EVENTS)] != NEVER).tolist():
-                alone = ALIGNMENT_EVENTS.level(which, 0.3, q, p, mode)
+                alone = level(ALL, which, 0.3, q, p, mode)
                 assert alone == pytest.approx(out[which], rel=1e-13, abs=1e-13), which
                 compared.add(which)
     assert compared == set(range(len(EVENTS))) - {INDEX["CORNERS_INSIDE"]}  # once it has dropped
@@ -127,7 +127,7 @@ def test_printed_friction_has_no_event(device, constants):
     out = np.empty(MOST_SAMPLES)
     q = State(0.2, device.half_height - 0.01, 0.0, 0.1, 0.0, 0.0)
     p = constants(device, Variants(friction_law="printed"))
-    ALIGNMENT_EVENTS.sample_into(0.0, q, p, START._replace(support_slip=SLIP_NEGATIVE), out)
+    sample_into(ALL, 0.0, q, p, START._replace(support_slip=SLIP_NEGATIVE), out)
     assert out[INDEX["SUPPORT_SLIP"]] == NEVER
 
 
@@ -270,10 +270,8 @@ def test_overturned_just_below_ninety_degrees_on_both_sides(sample):
     assert sample(FREE, y=100.0, tilt=1.58)["OVERTURNED"] < 0.0
 
 
-def test_the_name_of_a_table_tells_nothing_of_the_checkout(monkeypatch):
+def test_the_identity_of_a_table_tells_nothing_of_the_checkout():
     """Else every checkout would compile the kernels of the table anew."""
-    whole, told = kernels._fingerprint, []
-    monkeypatch.setattr(kernels, "_fingerprint", lambda part: told.append(whole(part)) or told[-1])
-    assert kernels._label(INSERTION.events).startswith("table-")
-    assert not [each for each in told if str(PACKAGE).encode() in each]
-    assert told
+    told = identity_of(events_of(INSERTION.events))
+    assert "model.events.insertion." in told
+    assert str(PACKAGE) not in told

@@ -5,8 +5,9 @@ from math import atan, cos, sin
 import pytest
 
 from model import ALIGNMENT, PRINTED_CONTACTS, SUSPENDED, Outcome, Reason
+from model.events import kernels
 from model.events.friction import decide_friction, hold_sticking
-from model.events.kernels import ALIGNMENT_EVENTS
+from model.events.kernels import events_of
 from model.events.table import (
     FACE_FAR_END,
     FACE_GAP,
@@ -35,6 +36,7 @@ from model.physics.motion import motion
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
 
 FREE = START._replace(face=OPEN)
+EVENTS = events_of(ALIGNMENT.events)
 ANY = State(0.3, 5.0, 0.1, 0.0, -0.5, 0.0)
 
 
@@ -45,7 +47,7 @@ def p(device, constants):
 
 def transition(which, q, p, mode, scene=ALIGNMENT):
     """(mode, outcome, reason) after an event at τ = 0."""
-    return ALIGNMENT_EVENTS.transition(which, 0.0, q, p, mode, scene.declared)
+    return kernels.transition(EVENTS, which, 0.0, q, p, mode, scene.declared)
 
 
 def pressed(p, tilt=0.0, x=0.3, depth=0.02, **rates):

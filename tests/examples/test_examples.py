@@ -85,7 +85,7 @@ def test_one_run_with_its_forces(example):
     for force in names["forces"].values():
         assert (force >= 0.0).all()  # a contact never pulls
     largest = names["forces"]["under the part"].max() / names["units"].force
-    assert largest == pytest.approx(found.contact_force_max, rel=0.01)  # rows are steps
+    assert largest == pytest.approx(found.edge_force_max, rel=0.01)  # rows are steps
 
 
 def test_every_error_bar_of_the_sweep_holds(example):

@@ -64,36 +64,36 @@ class Browser:
                 imports.append(wasmtime.Func(store, kind, function))
             else:
                 raise AssertionError(f"the module imports {each}, which no page gives it")
-        self.function = wasmtime.Instance(store, module, imports).exports(store)[name]
-        self.store, self.about, self.name = store, interface, name
+        exports = wasmtime.Instance(store, module, imports).exports(store)
+        self.call, self.store, self.about, self.name = exports["run"], store, interface, name
 
     def run(self, sets: np.ndarray, rows: int = MOST_ROWS, **control: float) -> tuple[Any, Any]:
         """Return the results of the sets, and with ``run_one`` the track of its one set."""
-        one, count = self.name == "run_one", len(sets)
-        settings = dict(zip(self.about["control"], self.about["defaults"], strict=True)) | control
-        rows, width = (rows, len(COLUMNS)) if one else (count, self.about["constants"] + 1)
-        about = self.about["functions"][self.name]
-        ends = count * len(RunResult._fields)
-        # numba's own results first: a function's value and its error
-        sizes = 2, sets.size, len(settings), rows * width, ends, about["memory"]
-        places = about["stack"] + 8 * np.concatenate(
-            [[0], np.cumsum([-(-n // 8) * 8 for n in sizes])]
-        )
+        chosen = {"sets": len(sets), "rows": rows}
+        layout, stack = (self.about["functions"][self.name][it] for it in ("arguments", "stack"))
+        lengths = [chosen.get(each["length"], each["length"]) for each in layout]
+        sizes = [length * each["size"] for each, length in zip(layout, lengths, strict=True)]
+        # The result of the call, its words, and the arrays, each from a new cache line on.
+        places = stack + 8 * np.cumsum([0, *(-(-n // 8) * 8 for n in (1, 2 * len(layout), *sizes))])
         missing = int(places[-1]) - self.memory.data_len(self.store)
         if missing > 0:
             self.memory.grow(self.store, -(-missing // 65536))
-        value, given, limits, out, results, memory = map(int, places[:-1])
-        self.memory.write(self.store, sets.tobytes(), given)
-        self.memory.write(self.store, np.array([*settings.values()]).tobytes(), limits)
-        arguments = value, value + 8, given, limits, rows, out, results, memory
-        assert self.function(self.store, *arguments) == 0
-        return self._array(results, (count, -1), sizes[4]), self._array(
-            out, (rows, width), sizes[3]
-        )
+        result, words, *arrays = map(int, places[:-1])
+        self.memory.write(self.store, bytes(int(places[-1]) - words), words)
+        self.memory.write(self.store, np.column_stack([arrays, lengths]).tobytes(), words)
+        settings = dict(zip(self.about["limits"], self.about["defaults"], strict=True)) | control
+        at = {each["name"]: n for n, each in enumerate(layout)}
+        self.memory.write(self.store, sets.tobytes(), arrays[at["given"]])
+        limits = np.array([*settings.values()])
+        self.memory.write(self.store, limits.tobytes(), arrays[at["limits"]])
+        self.call(self.store, words, result)
 
-    def _array(self, at: int, shape: tuple[int, ...], size: int) -> np.ndarray:
-        data = self.memory.read(self.store, at, at + 8 * size)
-        return np.frombuffer(bytes(data)).reshape(shape)
+        def found(name: str) -> np.ndarray:
+            n = at[name]
+            data = self.memory.read(self.store, arrays[n], arrays[n] + 8 * sizes[n])
+            return np.frombuffer(bytes(data)).reshape(lengths[n], layout[n]["size"])
+
+        return found("results"), found("track") if "track" in at else None
 
 
 @pytest.fixture(scope="module")
@@ -182,7 +182,7 @@ def test_every_field_is_equal_to_the_bit_without_fused_multiply_add(
     np.save(given, sets)
     scene = SETTINGS[engine].scene.name
     command = [sys.executable, "-c", _REFERENCE, engine, scene, str(given), str(found)]
-    subprocess.run(command, check=True, env=os.environ | {"NUMBA_CPU_NAME": "generic"})
+    subprocess.run(command, check=True, env=os.environ | {"VIBRALIGN_CPU": "x86-64"})
     with np.load(found) as python:
         np.testing.assert_array_equal(ran[engine], python["results"])
         for name in ("time", *TRACK_VARIABLES) if engine == "scalar" else ():

@@ -8,7 +8,7 @@ from model import Batch, Outcome, Reason, align, simulate
 
 def test_without_vibration_the_part_stays_at_rest(device):
     p = device.replace(press_force=0.8, frequency=0.0)
-    run = simulate(p, start="pressed")
+    run = simulate(p, start="pressed", tolerance=1e-12)
     assert run.outcome is Outcome.SETTLED
     np.testing.assert_allclose(run.state[-1], run.state[0], atol=1e-10)
     assert run.separations == 0

@@ -30,7 +30,6 @@ def test_defaults_are_the_consistent_readings_in_the_alignment_scene():
         ({"scene": INSERTION, "insertion_depth": 0.0}, "insertion_depth"),
         ({"scene": INSERTION, "insertion_depth": -1.0}, "insertion_depth"),
         ({"scene": INSERTION, "insertion_depth": float("nan")}, "insertion_depth"),
-        ({"scene": INSERTION, "alignment_only": True}, "alignment_only"),
     ],
 )
 def test_values_outside_their_range_are_refused(device, change, message):

@@ -84,10 +84,11 @@ import json, os, runpy, select, signal, socket, sys
 import matplotlib.pyplot, netCDF4, pint, scipy.ndimage, scipy.special, smart_open, xarray
 import snakemake.cli, snakemake.report.html_reporter
 import model.study.claims, model.study.config, model.study.plans
-from model.engines.batch.event_kernels import in_vector_kernels
+from model.engines.batch.lane_events import lane_events_of
+from model.events.kernels import in_kernels
 
 for scene in model.ALIGNMENT, model.INSERTION:
-    in_vector_kernels(scene)  # derived once
+    lane_events_of(in_kernels(scene).events)  # derived once
 
 READ_AT_IMPORT = "PYTHONPATH", "XDG_CACHE_HOME"
 sys.executable = os.path.abspath("python")  # with which Snakemake runs scripts

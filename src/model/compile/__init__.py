@@ -1,1 +1,1 @@
-"""Compilation of Python functions: numba kernels, generated sources, WebAssembly, cache."""
+"""Compilation of Python functions: the subset, machine code, WebAssembly, cache."""

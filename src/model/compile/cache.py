@@ -1,33 +1,34 @@
-"""Folder and files of the compiled kernels, and of the sources generated for them.
+"""Files of machine code, in a folder named by a hash of the package's code.
 
-numba's cache does not notice an edit in another file that a kernel calls. The cache folder is
-therefore named by a hash of the code in every file that can hold a kernel.
+A file holds a checksum, a header and an object. A damaged file counts as one that is missing: its
+kernel is compiled and stored again. Where nothing can be written, kernels are compiled for the
+process alone.
 """
 
 import ast
 import contextlib
 import hashlib
+import json
 import os
-import pickle
 import platform
 import re
 import tempfile
 import zlib
+from functools import cache
 from pathlib import Path
 from typing import Any
 
-import numba
-from numba.core.caching import IndexDataCacheFile
-
+from model.compile.identity import PACKAGE
+from model.compile.machine_code import written_for
 from model.compile.outline import outline
 
-PACKAGE = Path(__file__).resolve().parents[1]
 _CHECKSUM = 4  # bytes
+_UNWRITTEN: dict[str, tuple[dict[str, Any], bytes]] = {}  # what could not be written
 KERNEL_LAYERS = ("compile", "physics", "events", "engines", "runs")  # folders that hold kernels
 
 
 def kernel_fingerprint() -> str:
-    """Hash of numba's version and the code of every file that can hold a kernel (16 hex digits).
+    """Hash of the processor and the code of every file that can hold a kernel (16 hex digits).
 
     An edit of comments, layout or docstrings leaves it the same. It is kept on disk under a hash of
     the files' contents, since parsing them takes a second.
@@ -37,7 +38,7 @@ def kernel_fingerprint() -> str:
         for layer in KERNEL_LAYERS
         for source in sorted((PACKAGE / layer).rglob("*.py"))
     }
-    versions = f"{numba.__version__} {platform.python_version()}"
+    versions = f"{written_for()} {platform.python_version()}"
     contents = hashlib.sha256(f"{versions}{[*sources.items()]}".encode()).hexdigest()
     kept = _base() / "fingerprints" / contents
     with contextlib.suppress(OSError, UnicodeDecodeError):
@@ -58,48 +59,51 @@ def _base() -> Path:
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "vibralign"
 
 
+@cache
 def cache_folder() -> Path:
-    """Folder of the compiled kernels; ``VIBRALIGN_CACHE`` or ``XDG_CACHE_HOME`` moves it."""
+    """Folder of the machine code; ``VIBRALIGN_CACHE`` or ``XDG_CACHE_HOME`` moves it."""
     folder = _base() / kernel_fingerprint()
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError:  # a read-only home: use a temporary folder of this user's own
-        folder = Path(tempfile.gettempdir()) / f"vibralign-{os.getuid()}" / folder.name
-        folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+        own = Path(tempfile.gettempdir()) / f"vibralign-{os.getuid()}"
+        own.mkdir(exist_ok=True, mode=0o700)
+        if own.lstat().st_uid != os.getuid() or own.lstat().st_mode & 0o022:
+            own = Path(tempfile.mkdtemp())  # machine code that others can write is not loaded
+        folder = own / folder.name
+        folder.mkdir(exist_ok=True)
     return folder
 
 
-class CheckedFiles(IndexDataCacheFile):
-    """The files of one kernel: an index and machine code, each with a checksum in front.
+def read(name: str) -> tuple[dict[str, Any], bytes] | None:
+    """Return header and object stored under a name; None if they are missing or damaged."""
+    if name in _UNWRITTEN:
+        return _UNWRITTEN[name]
+    with contextlib.suppress(OSError):
+        content = _path(name).read_bytes()
+        body = content[_CHECKSUM:]
+        if content[:_CHECKSUM] == _checksum(body):
+            header, _, stored = body.partition(b"\n")
+            return json.loads(header), stored
+    return None
 
-    A damaged file counts as one that is missing: the kernel is compiled and stored again.
-    """
 
-    def _stored(self, path: str) -> Any:
-        """Return what a file holds, None if it is missing or damaged."""
-        with contextlib.suppress(FileNotFoundError):
-            content = Path(path).read_bytes()
-            if content[:_CHECKSUM] == _checksum(content[_CHECKSUM:]):
-                return pickle.loads(content[_CHECKSUM:])  # noqa: S301 - written below
-        return None
+def write(name: str, header: dict[str, Any], stored: bytes) -> None:
+    """Store a header and an object under a name, whole or not at all."""
+    body = json.dumps(header).encode() + b"\n" + stored
+    path = _path(name)
+    made = path.with_name(f".{name}-{os.getpid()}")
+    try:
+        made.write_bytes(_checksum(body) + body)
+        made.replace(path)
+    except OSError:
+        _UNWRITTEN[name] = header, stored
+        with contextlib.suppress(OSError):
+            made.unlink(missing_ok=True)
 
-    def _store(self, path: str, data: Any) -> None:
-        content = self._dump(data)
-        with self._open_for_write(path) as file:
-            file.write(_checksum(content) + content)
 
-    def _load_index(self) -> dict[Any, str]:
-        stamp, overloads = self._stored(self._index_path) or (None, {})
-        return overloads if stamp == self._source_stamp else {}
-
-    def _save_index(self, overloads: dict[Any, str]) -> None:
-        self._store(self._index_path, (self._source_stamp, overloads))
-
-    def _load_data(self, name: str) -> Any:
-        return self._stored(self._data_path(name))
-
-    def _save_data(self, name: str, data: Any) -> None:
-        self._store(self._data_path(name), data)
+def _path(name: str) -> Path:
+    return cache_folder() / f"{name}.o"
 
 
 def _checksum(content: bytes) -> bytes:

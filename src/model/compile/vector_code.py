@@ -1,18 +1,12 @@
 """Functions of vectors, written in LLVM's language."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
-from llvmlite import ir
-from numba.core import types
-from numba.core.cgutils import unpack_tuple
-from numba.extending import intrinsic
-
-from model.compile.jit import call_finished
+from model.compile.identity import digest_of, is_inside
+from model.compile.values import constant
 
 WIDTH = 8  # numbers in a vector
-_DOUBLE = ir.DoubleType()
-_POINTER = ir.VectorType(_DOUBLE, WIDTH).as_pointer()
 _VECTOR = f"<{WIDTH} x double>"
 _ALIGNMENT = 64
 
@@ -27,11 +21,12 @@ class VectorWriter:
 
     def __init__(self, name: str, pointers: int) -> None:
         self.arguments = [f"%argument{n}" for n in range(pointers)]
-        arguments = ", ".join(f"{_POINTER} noalias {each}" for each in self.arguments)
+        arguments = ", ".join(f"ptr noalias {each}" for each in self.arguments)
         self.lines = [
             f"declare {_VECTOR} @llvm.fmuladd.v{WIDTH}f64({_VECTOR}, {_VECTOR}, {_VECTOR})",
             f"declare {_VECTOR} @llvm.fabs.v{WIDTH}f64({_VECTOR})",
-            f"define linkonce_odr void @{name}({arguments}) nounwind {{",
+            f"declare {_VECTOR} @llvm.sqrt.v{WIDTH}f64({_VECTOR})",
+            f"define void @{name}({arguments}) nounwind {{",
         ]
         self.begin("entry")
 
@@ -75,7 +70,8 @@ class VectorWriter:
 
     def vector(self, number: float) -> str:
         """A vector with ``number`` in every lane."""
-        return f"<{', '.join([str(ir.Constant(_DOUBLE, number))] * WIDTH)}>"
+        each = f"double {constant(float(number)).name}"
+        return f"<{', '.join([each] * WIDTH)}>"
 
     def everywhere(self, count: str) -> str:
         """A vector with an integer in every lane; ``count`` is its name in the code."""
@@ -86,7 +82,7 @@ class VectorWriter:
 
     def address(self, pointer: str, place: str | int) -> str:
         """The address of the vector at a place."""
-        return self.result(f"getelementptr {_VECTOR}, {_POINTER} {pointer}, i64 {place}")
+        return self.result(f"getelementptr {_VECTOR}, ptr {pointer}, i64 {place}")
 
     def base(self, pointer: str, index: str, rows: int = 1) -> str:
         """The address of the vector at ``index`` times ``rows``, computed once in a block."""
@@ -100,19 +96,19 @@ class VectorWriter:
         """The vector at a place, loaded once in a block."""
         if (pointer, place) not in self.loaded:
             address = self.address(pointer, place)
-            loaded = self.result(f"load {_VECTOR}, {_POINTER} {address}, align {_ALIGNMENT}")
+            loaded = self.result(f"load {_VECTOR}, ptr {address}, align {_ALIGNMENT}")
             self.loaded[pointer, place] = loaded
         return self.loaded[pointer, place]
 
     def store(self, value: str, pointer: str, place: str | int) -> None:
         """Write the vector at a place."""
         address = self.address(pointer, place)
-        self.lines.append(f"store {_VECTOR} {value}, {_POINTER} {address}, align {_ALIGNMENT}")
+        self.lines.append(f"store {_VECTOR} {value}, ptr {address}, align {_ALIGNMENT}")
         self.loaded[pointer, place] = value
 
     def whole_number(self, pointer: str) -> str:
         """The number at ``pointer``, as an integer."""
-        number = self.result(f"load double, {_DOUBLE.as_pointer()} {pointer}")
+        number = self.result(f"load double, ptr {pointer}")
         return self.result(f"fptosi double {number} to i64")
 
     def merged(self, *cases: tuple[str, str]) -> str:
@@ -143,21 +139,49 @@ class VectorWriter:
         return values
 
 
-def vector_function(name: str, write: Callable[[str], VectorWriter]) -> Any:
-    """Make the kernel (block, places) that calls the function that ``write(name)`` has written.
+def each_lane() -> range:
+    """Return the numbers of the lanes of a vector; a loop over them becomes vector code.
 
-    The function is given pointers to vectors of the array ``block``: those numbered ``places``.
+    A round of the loop must not read what another one writes.
+    """
+    return range(WIDTH)
+
+
+class VectorFunction:
+    """A function of vectors: a kernel calls it with a block of memory and places of vectors in it.
+
+    ``function(block, places)`` passes the addresses of the vectors numbered ``places`` of an array.
+
+    Args:
+        name: name of the function, unique in the package.
+        write: (name) -> writer of the function.
     """
 
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        block = context.make_array(signature.args[0])(context, builder, arguments[0])
-        first = builder.bitcast(block.data, _POINTER)
-        pointers = [builder.gep(first, [place]) for place in unpack_tuple(builder, arguments[1])]
-        call_finished(context, builder, name, write(name).code(), pointers)
-        return context.get_dummy_value()
+    is_vector = True
 
-    @intrinsic
-    def call(_context: Any, block: Any, places: Any) -> Any:
-        return types.void(block, places), generate
+    def __init__(self, name: str, write: Callable[[str], VectorWriter]) -> None:
+        self.name, self._write = name, write
+        if not is_inside(write):  # the name alone does not stand for the code
+            self.name += f"_{digest_of(write(name).code())}"
 
-    return call
+    @property
+    def identity(self) -> str:
+        """Its name, for the cache."""
+        return self.name
+
+    def text(self) -> str:
+        """Return the function in LLVM's language."""
+        return self._write(self.name).code()
+
+    def linked(self) -> "Iterator[VectorFunction]":
+        """Yield itself: it calls no others."""
+        yield self
+
+
+def call_at(_address: int, _block: Any, _places: Any) -> None:
+    """Call the function of vectors at an address, from a kernel; see ``VectorFunction``.
+
+    Raises:
+        TypeError: it is called as Python.
+    """
+    raise TypeError("a function of vectors is machine code, which Python cannot call")

@@ -5,7 +5,7 @@ from collections.abc import Hashable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any, cast, get_args
 
 import yaml
 
@@ -13,7 +13,7 @@ from model.device.amounts import Tolerance, read_amount, read_range
 from model.device.base import BASE, SOURCES, pair_of, with_base
 from model.device.holder import RATIOS, with_damping
 from model.device.plausibility import check_place, check_press, doubts
-from model.physics.parameters import FIELDS, PARAMETER_NAMES, Parameters, check_name
+from model.physics.parameters import FIELDS, PARAMETER_NAMES, Parameters, Shape, check_name
 from model.physics.rest import Start
 from model.physics.units import UNITS, Device, Units, device
 from model.runs.settings import Settings
@@ -28,7 +28,7 @@ LIMITS: Mapping[str, tuple[str, str]] = {
 # Limit "vibration" of a design: the share of devices that must not align without vibration.
 VIBRATION: Mapping[str, float] = {"needed": 1.0, "not needed": 0.0}
 QUANTITIES = (*UNITS, *PARAMETER_NAMES, *RATIOS, *BASE)
-_BESIDES = ("materials", "free", "limits", "start")
+_BESIDES = ("materials", "free", "limits", "start", "shape")
 
 
 class DeviceError(ValueError):
@@ -49,6 +49,7 @@ class StatedDevice:
             devices that must not align without it, 1 or 0.
         changes: quantities that replace the file's, as they were given.
         start: start of its runs (``Settings.start``), or None.
+        shape: shape of part and hole (``Settings.shape``), or None.
         horizon: latest time of its runs in s, or None for that of the settings in units of 1/p.
         insertion_depth: depth in m at which it counts as inserted, or None for the default.
     """
@@ -61,6 +62,7 @@ class StatedDevice:
     limits: Mapping[str, float] = field(default_factory=dict)
     changes: Mapping[str, object] = field(default_factory=dict)
     start: Start | None = None
+    shape: Shape | None = None
     horizon: float | None = None
     insertion_depth: float | None = None
 
@@ -139,7 +141,10 @@ class StatedDevice:
 
         Devices with other quantities have other units, and the same horizon and depth in SI units.
         """
-        changes: dict[str, Any] = {"start": settings.start or self.start}
+        changes: dict[str, Any] = {
+            "start": settings.start or self.start,
+            "shape": settings.shape or self.shape,
+        }
         if self.horizon is not None:
             changes["horizon"] = self.horizon / units.time
         if self.insertion_depth is not None:
@@ -191,7 +196,7 @@ def load_device(path: Path | str, changes: Mapping[str, object] | None = None) -
     mapping = {name: value for name, value in _mapping(path).items() if name not in replaced}
     try:
         values, tolerances = _amounts({n: v for n, v in mapping.items() if n not in _BESIDES})
-        changed, others = _amounts({n: v for n, v in changes.items() if n != "materials"})
+        changed, others = _amounts({n: v for n, v in changes.items() if n not in _BESIDES})
         materials = changes.get("materials", mapping.get("materials"))
         stated = StatedDevice(
             source=path,
@@ -202,9 +207,11 @@ def load_device(path: Path | str, changes: Mapping[str, object] | None = None) -
             limits=_limits(mapping),
             changes=dict(changes),
             start=mapping.get("start"),
+            shape=cast("Any", changes.get("shape", mapping.get("shape"))),
         )
-        if stated.start is not None:
-            check_name(str(stated.start), get_args(Start), "start")
+        for name, kind in (("start", Start), ("shape", Shape)):
+            if getattr(stated, name) is not None:
+                check_name(str(getattr(stated, name)), get_args(kind), name)
         # Refuses unknown and missing quantities, before anything is computed from them.
         device(with_damping({n: v for n, v in stated.quantities.items() if n not in BASE}))
         stated.admitted({})

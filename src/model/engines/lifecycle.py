@@ -8,11 +8,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from model.compile.jit import kernel
+from model.compile.kernels import inlined_kernel, kernel, separate_kernel
+from model.engines.rates import short_step
 from model.engines.record import (
     AT,
     CLOSEST,
     CONSTANTS,
+    FORCES,
     MADE,
     STATE,
     constants_of,
@@ -22,11 +24,10 @@ from model.engines.record import (
     store_mode,
     store_state,
 )
-from model.engines.scalar.step import short_step
 from model.events.event_functions import FLAT, NEVER
 from model.events.friction import decide_friction, hold_sticking
 from model.events.insertion import end_in_slot
-from model.events.kernels import MOST_EVENTS
+from model.events.kernels import MOST_EVENTS, reset, start_is_impossible, transition
 from model.events.outcomes import OUTCOME, REASON
 from model.events.steady_state import (
     HISTORY,
@@ -36,9 +37,10 @@ from model.events.steady_state import (
     settled_period,
     watched_until,
 )
+from model.events.table import PLACES_OF_CONTACT
 from model.events.transitions import CONTINUES
 from model.physics.geometry import bottom_corner, edge_place, resting_height
-from model.physics.modes import CLOSED, OPEN, START, STICKING, with_corner, with_face
+from model.physics.modes import CLOSED, OPEN, START, STICKING
 from model.physics.motion import is_supported
 from model.physics.notation import RIGHT_EDGE, STATE_SIZE, State
 from model.physics.rest import rest_under_press
@@ -75,17 +77,17 @@ class Control(NamedTuple):
 class History(NamedTuple):
     """States and lowest levels in the last periods of runs, as ring buffers; see steady_state.py.
 
-    Shapes: states (runs, HISTORY, 6), lowest (runs, LONGEST_PERIOD, events).
+    Shapes: states (runs, HISTORY, 6), lowest (runs, LONGEST_PERIOD, MOST_EVENTS).
     """
 
     states: np.ndarray
     lowest: np.ndarray
 
 
-def new_history(count: int, events: int = MOST_EVENTS) -> History:
-    """Return an empty ``History`` of ``count`` runs, for a table of at most ``events``."""
+def new_history(count: int) -> History:
+    """Return an empty ``History`` of ``count`` runs."""
     states = np.zeros((count, HISTORY, STATE_SIZE))
-    return History(states, np.zeros((count, LONGEST_PERIOD, events)))
+    return History(states, np.zeros((count, LONGEST_PERIOD, MOST_EVENTS)))
 
 
 @kernel
@@ -100,9 +102,9 @@ def start(p, declared):
     corner_x, corner_y = bottom_corner(RIGHT_EDGE, x, y, tilt, p)
     if tilt < -FLAT and corner_x > p.slot_half_width:
         standing = CLOSED if declared.corner_on_flat else OPEN
-        mode = with_corner(with_face(START, RIGHT_EDGE, OPEN), RIGHT_EDGE, standing, 0.0)
+        mode = START._replace(face=OPEN, corner=standing)
         return State(x, y - corner_y, tilt, 0.0, 0.0, 0.0), mode
-    mode = with_face(START, RIGHT_EDGE, CLOSED if declared.edge_on_face else OPEN)
+    mode = START._replace(face=CLOSED if declared.edge_on_face else OPEN)
     return State(x, y, tilt, 0.0, 0.0, 0.0), mode
 
 
@@ -112,7 +114,7 @@ def _start_pressed(scene, p, i, runs):
     rest = rest_under_press(p)
     if not rest.found:
         _end(scene, runs, i, OUTCOME.LEFT_SCENE, REASON.NO_REST)
-    return State(rest.x, rest.y, rest.tilt, 0.0, 0.0, 0.0), with_face(START, RIGHT_EDGE, CLOSED)
+    return State(rest.x, rest.y, rest.tilt, 0.0, 0.0, 0.0), START
 
 
 @kernel
@@ -122,9 +124,10 @@ def period_length(p):
 
 
 @kernel
-def _note_end_of_period(runs, i):
+def _note_end_of_period(scene, runs, i):
     """Set the next stop: the end of the present period or, if earlier, of the run."""
-    next_period = (runs[i, AT.periods] + 1.0) * period_length(constants_of(runs, i))
+    length = period_length(constants_of(scene.events, runs, i))
+    next_period = (runs[i, AT.periods] + 1.0) * length
     runs[i, AT.stop] = min(next_period, runs[i, AT.deadline])
 
 
@@ -132,11 +135,12 @@ def _note_end_of_period(runs, i):
 def _end(scene, runs, i, outcome, reason):
     """End run ``i``; a run that has aligned is aligned, or ends as its part does in the slot."""
     if isfinite(runs[i, AT.tau_align]):
-        if scene.events.inserts == 0:
+        if not scene.events.inserts:
             outcome, reason = OUTCOME.ALIGNED, REASON.NONE
         else:
             q, mode = state_in(runs, STATE, i), mode_of(runs, i)
-            outcome, reason = end_in_slot(outcome, reason, q, constants_of(runs, i), mode)
+            p = constants_of(scene.events, runs, i)
+            outcome, reason = end_in_slot(outcome, reason, q, p, mode)
     if outcome == OUTCOME.INSERTED:
         runs[i, AT.tau_inserted] = runs[i, AT.time] - runs[i, AT.tau_align]
     runs[i, AT.outcome], runs[i, AT.reason] = outcome, reason
@@ -148,7 +152,7 @@ def fail(scene, runs, i, reason):
     _end(scene, runs, i, OUTCOME.FAILED, reason)
 
 
-@kernel
+@separate_kernel
 def begin(row, tolerance, scene, control, runs, i):
     """Start the parameter set ``row``, shape (constants,), as run ``i``.
 
@@ -156,25 +160,24 @@ def begin(row, tolerance, scene, control, runs, i):
     """
     for k in range(runs.shape[1]):
         runs[i, k] = row[k] if k < CONSTANTS else 0.0
-    p = constants_of(runs, i)
+    p = constants_of(scene.events, runs, i)
     runs[i, AT.tolerance], runs[i, AT.deadline] = tolerance, control.horizon
     runs[i, AT.outcome], runs[i, AT.next_step] = CONTINUES, _FIRST_STEP
     known = 0.0 if control.carries_error != 0.0 else nan
     runs[i, AT.time_error], runs[i, AT.end_error], runs[i, AT.largest_error] = known, known, known
     runs[i, AT.tau_align], runs[i, AT.tau_corners_inside] = nan, nan
     runs[i, AT.tilt_at_alignment], runs[i, AT.tau_inserted] = nan, nan
-    runs[i, AT.side_force_max] = nan
     if control.alignment_only != 0.0:
-        runs[i, AT.tilt_max], runs[i, AT.contact_force_max] = nan, nan  # and stay so; see note_step
-    elif scene.events.inserts == 1:
-        runs[i, AT.side_force_max] = 0.0
+        runs[i, AT.tilt_max] = nan  # and stays so; see note_step
+        for place in range(len(PLACES_OF_CONTACT)):
+            runs[i, FORCES + place] = nan
     for which in range(scene.events.count):
         runs[i, CLOSEST + which] = NEVER
     q, mode = start(p, scene.declared)
     if control.pressed != 0.0 and not _starts_past_the_end(q, p, mode):
         q, mode = _start_pressed(scene, p, i, runs)
     runs[i, AT.tilt_max] = max(runs[i, AT.tilt_max], abs(q.tilt))  # 0 before, or NaN
-    if runs[i, AT.outcome] == CONTINUES and scene.events.start_is_impossible(q, p, mode):
+    if runs[i, AT.outcome] == CONTINUES and start_is_impossible(scene.events, q, p, mode):
         fail(scene, runs, i, REASON.IMPOSSIBLE_START)
     if runs[i, AT.outcome] == CONTINUES:
         mode, possible = decide_friction(0.0, q, p, mode, True, True)
@@ -182,7 +185,7 @@ def begin(row, tolerance, scene, control, runs, i):
             fail(scene, runs, i, REASON.NO_FRICTION_SOLUTION)
     store_state(q, runs, i)
     store_mode(mode, runs, i)
-    _note_end_of_period(runs, i)
+    _note_end_of_period(scene, runs, i)
     if runs[i, AT.outcome] == CONTINUES and _starts_past_the_end(q, p, mode):
         apply_event(scene.events.face_end, 0.0, _FIRST_STEP, scene, control, runs, i)
 
@@ -202,21 +205,24 @@ def is_counted(mode, p):
 
 
 @kernel
-def note_step(length, tilt, force, runs, i):
-    """Record an accepted step, with its largest |tilt| and normal force.
+def note_step(scene, length, tilt, runs, i):
+    """Record an accepted step, with its largest |tilt|; the fall after alignment does not count.
 
-    After the fall into the slot only the largest force on its sides counts. ``max`` returns its
-    first argument if that is NaN: largest values that are not computed stay so.
+    ``max`` returns its first argument if that is NaN: a largest tilt that is not computed stays so.
     """
     mode = mode_of(runs, i)
     runs[i, AT.steps] += 1.0
-    if is_counted(mode, constants_of(runs, i)):
+    if is_counted(mode, constants_of(scene.events, runs, i)):
         runs[i, AT.tilt_max] = max(runs[i, AT.tilt_max], tilt)
-        runs[i, AT.contact_force_max] = max(runs[i, AT.contact_force_max], force)
         if mode.support_slip == STICKING and is_supported(mode):
             runs[i, AT.sticking_time] += length
-    else:
-        runs[i, AT.side_force_max] = max(runs[i, AT.side_force_max], force)
+
+
+@inlined_kernel
+def notes_forces(scene, mode, control, runs, i):
+    """Return whether the largest forces grow: until alignment, or until inserted."""
+    counts = scene.events.inserts or is_counted(mode, constants_of(scene.events, runs, i))
+    return counts and control.alignment_only == 0.0
 
 
 @kernel
@@ -235,21 +241,22 @@ def _note_alignment(scene, is_inside, tilt, printed_criterion, control, runs, i)
     scene the horizon begins anew.
     """
     time = runs[i, AT.time]
-    inserts = scene.events.inserts == 1
+    inserts = scene.events.inserts
     if is_inside:
         runs[i, AT.tau_corners_inside] = time
     elif not printed_criterion and isnan(runs[i, AT.tau_align]):
         deadline = min(runs[i, AT.deadline], time + _FALL_TIME)
         runs[i, AT.deadline] = time + control.horizon if inserts else deadline
-        _note_end_of_period(runs, i)
+        _note_end_of_period(scene, runs, i)
     if printed_criterion == is_inside and isnan(runs[i, AT.tau_align]):
         runs[i, AT.tau_align], runs[i, AT.tilt_at_alignment] = time, tilt
-    ends = is_inside or (control.alignment_only != 0.0 and not printed_criterion)
-    return ends and not inserts
+    if control.alignment_only != 0.0 and not printed_criterion:
+        return True
+    return is_inside and not inserts
 
 
 @kernel
-def skip_chatter(before, runs, i):
+def skip_chatter(scene, before, runs, i):
     """Advance by a moment without event location, if the two modes agree within the tolerance.
 
     On a hard base, rounding of a length causes a load. A contact or slip near zero then alternates
@@ -257,7 +264,7 @@ def skip_chatter(before, runs, i):
     the two modes differ by more than a step's tolerance, the run stays where it is; it fails after
     too many events.
     """
-    time, p, mode = runs[i, AT.time], constants_of(runs, i), mode_of(runs, i)
+    time, p, mode = runs[i, AT.time], constants_of(scene.events, runs, i), mode_of(runs, i)
     q, tolerance = state_in(runs, STATE, i), runs[i, AT.tolerance]
     moment = _SHORTEST_STEP * 2.0 ** (runs[i, AT.events_at_once] - _SEVERAL_AT_ONCE)
     if time + moment >= runs[i, AT.stop]:
@@ -275,22 +282,22 @@ def skip_chatter(before, runs, i):
     runs[i, AT.time] = time + moment
 
 
-@kernel
+@separate_kernel
 def apply_event(which, length, step, scene, control, runs, i):
     """Apply the transition of the event ``which`` at the run's state: next mode, or end.
 
     ``length`` is the time from the last step to the event, ``step`` the length of the whole step.
     """
-    time, p, before = runs[i, AT.time], constants_of(runs, i), mode_of(runs, i)
+    time, p, before = runs[i, AT.time], constants_of(scene.events, runs, i), mode_of(runs, i)
     runs[i, AT.events] += 1.0
-    runs[i, MADE + which] = 1.0
+    runs[i, MADE + which], runs[i, AT.last_event] = 1.0, which + 1.0
     at_once = length <= 1e-13 * max(1.0, time)
     runs[i, AT.events_at_once] = runs[i, AT.events_at_once] + 1.0 if at_once else 0.0
     # If no time passes, the step was too long for the accuracy of its dense output (for instance
     # where the friction force only just reaches its limit).
     runs[i, AT.next_step] = max(0.25 * step if at_once else step, _SHORTEST_STEP)
-    q = scene.events.reset(which, state_in(runs, STATE, i), p, before)
-    mode, outcome, reason = scene.events.transition(which, time, q, p, before, scene.declared)
+    q = reset(scene.events, which, state_in(runs, STATE, i), p, before)
+    mode, outcome, reason = transition(scene.events, which, time, q, p, before, scene.declared)
     if outcome == CONTINUES and is_counted(before, p) and _is_lift_off(before, mode):
         runs[i, AT.separations] += 1.0
     store_state(hold_sticking(q, p, mode), runs, i)
@@ -303,13 +310,13 @@ def apply_event(which, length, step, scene, control, runs, i):
     if outcome != CONTINUES:
         _end(scene, runs, i, outcome, reason)
     elif runs[i, AT.events_at_once] > _SEVERAL_AT_ONCE:
-        skip_chatter(before, runs, i)
+        skip_chatter(scene, before, runs, i)
 
 
 @kernel
 def _compare_periods(scene, periods, history, settling_noise, runs, i):
     """Record the state and the closest approaches of a period; end a run that has settled."""
-    if mode_of(runs, i).dropped and scene.events.inserts == 0:
+    if mode_of(runs, i).dropped and not scene.events.inserts:
         return
     states, lowest = history.states[i], history.lowest[i]
     record_state(periods, runs[i, STATE : STATE + STATE_SIZE], states)
@@ -319,7 +326,7 @@ def _compare_periods(scene, periods, history, settling_noise, runs, i):
                 runs[i, CLOSEST + which] = NEVER
         record_closest(periods, runs[i, CLOSEST : CLOSEST + scene.events.count], lowest)
     noise = max(settling_noise, NOISE * runs[i, AT.tolerance])
-    p = constants_of(runs, i)
+    p = constants_of(scene.events, runs, i)
     length = period_length(p)
     period = settled_period(scene.events, periods, length, states, lowest, p, noise)
     if period > 0:
@@ -331,12 +338,12 @@ def _compare_periods(scene, periods, history, settling_noise, runs, i):
             runs[i, CLOSEST + which], runs[i, MADE + which] = NEVER, 0.0
 
 
-@kernel
+@separate_kernel
 def end_period(scene, history, settling_noise, runs, i):
     """Count a completed period; end the run if it may settle and its motion is periodic."""
     periods = int(runs[i, AT.periods]) + 1
     runs[i, AT.periods] = periods
-    _note_end_of_period(runs, i)
+    _note_end_of_period(scene, runs, i)
     if settling_noise > 0.0:
         _compare_periods(scene, periods, history, settling_noise, runs, i)
 

@@ -9,13 +9,14 @@ closest approach (lowest level) in this period and whether it happened.
 from math import isnan
 from typing import Any
 
-from model.compile.jit import inlined_kernel, kernel
-from model.compile.views import numbers, reader, writer
+from model.compile.kernels import inlined_kernel, kernel
 from model.engines.results import RunResult
 from model.events.kernels import MOST_EVENTS
-from model.physics.modes import CLOSED, OPEN, Mode
+from model.events.table import PLACES_OF_CONTACT
+from model.physics.modes import CLOSED, MODE_KINDS, OPEN, Mode
 from model.physics.notation import RIGHT_EDGE, STATE_SIZE, State
 from model.physics.parameters import Constants
+from model.physics.tables import numbers
 
 _WORKING = (
     "next_step",  # length proposed by the error estimate
@@ -26,7 +27,8 @@ _WORKING = (
     "watched_until",  # last period whose closest approaches are noted
     "sticking_time",
     "events_at_once",  # number of events without time passing between them
-    "row_of_batch",
+    "number_in_batch",
+    "last_event",  # number of the latest event, from 1
     *(f"error_{name}" for name in State._fields),  # that the run carries
 )
 _COLUMNS = (*Constants._fields, *RunResult._fields, *_WORKING)
@@ -38,20 +40,44 @@ CONSTANTS = len(Constants._fields)  # the first columns
 _FIRST_RESULT, _RESULT_COUNT = CONSTANTS, len(RunResult._fields)
 
 ERROR = AT.error_x  # first of the errors that the run carries
+FORCES = AT.edge_force_max  # first of the largest forces, in the order of PLACES_OF_CONTACT
 STATE = len(_COLUMNS)
 MODE = STATE + STATE_SIZE
 CLOSEST = MODE + len(Mode._fields)  # lowest levels of the events in this period
 MADE = CLOSEST + MOST_EVENTS  # 1 for events that happened in this period
 SIZE = MADE + MOST_EVENTS
 
-# (runs, i): the ``Constants`` of run ``i``.
-constants_of = reader(Constants, "runs, i", "runs[i, {}]".format)
-# (runs, row, i): the ``State`` of run ``i`` from column ``row`` on; (q, runs, row, i) writes it.
-state_in = reader(State, "runs, row, i", "runs[i, row + {}]".format)
-store_state_in = writer(State, "runs, row, i", "runs[i, row + {}]".format)
-# (runs, i): the ``Mode`` of run ``i``; (mode, runs, i) writes it.
-mode_of = reader(Mode, "runs, i", "runs[i, MODE + {}]".format, MODE=MODE)
-store_mode = writer(Mode, "runs, i", "runs[i, MODE + {}]".format, MODE=MODE)
+
+@inlined_kernel
+def constants_of(events, runs, i):
+    """Return the constants of run ``i``: of a plane part or a round one, as ``events`` say."""
+    return events.constants(*(runs[i, n] for n in range(CONSTANTS)))
+
+
+@inlined_kernel
+def state_in(runs, first, i):
+    """Return the ``State`` of run ``i`` from column ``first`` on."""
+    return State(*(runs[i, first + n] for n in range(STATE_SIZE)))
+
+
+@inlined_kernel
+def store_state_in(q, runs, first, i):
+    """Write a ``State`` of run ``i`` from column ``first`` on."""
+    for n, value in enumerate(q):
+        runs[i, first + n] = value
+
+
+@inlined_kernel
+def mode_of(runs, i):
+    """Return the ``Mode`` of run ``i``."""
+    return Mode(*(kind(runs[i, MODE + n]) for n, kind in enumerate(MODE_KINDS)))
+
+
+@inlined_kernel
+def store_mode(mode, runs, i):
+    """Write the ``Mode`` of run ``i``."""
+    for n, value in enumerate(mode):
+        runs[i, MODE + n] = value
 
 
 @inlined_kernel
@@ -61,9 +87,9 @@ def is_watched(runs, i):
 
 
 @inlined_kernel
-def constants_in(row):
-    """Return the ``Constants`` in ``row``, shape (constants,)."""
-    return constants_of(row.reshape((1, CONSTANTS)), 0)
+def constants_in(events, row):
+    """Return the constants in ``row``, shape (constants,); see ``constants_of``."""
+    return events.constants(*(row[n] for n in range(CONSTANTS)))
 
 
 @inlined_kernel
@@ -73,8 +99,14 @@ def store_state(q, runs, i):
 
 
 @kernel
-def store_result(runs, i, results, row):
+def store_result(events, runs, i, results, row):
     """Write the ``RunResult`` of run ``i``, which has ended, into ``results[row]``."""
+    if events.constants.is_round:
+        runs[i, AT.edge_force_max] *= 0.5  # each of two tips carries half of the load
+    largest = runs[i, FORCES]
+    for place in range(1, len(PLACES_OF_CONTACT)):
+        largest = max(largest, runs[i, FORCES + place])
+    runs[i, AT.contact_force_max] = largest
     tau_align = runs[i, AT.tau_align]
     until = runs[i, AT.time] if isnan(tau_align) else tau_align
     runs[i, AT.sticking_share] = runs[i, AT.sticking_time] / until if until > 0.0 else 0.0

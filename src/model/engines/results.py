@@ -16,7 +16,6 @@ from typing import Any, Generic, NamedTuple, TypeVar, dataclass_transform
 
 import numpy as np
 
-from model.compile.views import numbers
 from model.engines.tolerances import (
     Tolerance,
     by_error,
@@ -30,7 +29,7 @@ from model.engines.tolerances import (
 from model.events.outcomes import InsertionOutcome, Outcome, Reason, Unvibrated
 from model.physics.notation import State
 from model.physics.quantities import ANGLE, FORCE, LENGTH, PLAIN, SPEED, TILT_RATE, TIME, Quantity
-from model.physics.tables import entries, field_of
+from model.physics.tables import entries, field_of, numbers
 
 
 class Sensitivity(IntEnum):
@@ -148,8 +147,9 @@ class Results(Generic[OutcomeT, ReasonT, Real, Count, Flag]):
         tolerance=equal_if_aligned, line=str,
     )  # fmt: skip
     contact_force_max: Real = entry(
-        "largest normal force at one place", FORCE, "n", tolerance=of_sampled_force
-    )
+        "largest normal force at one point; until alignment, or the end of an insertion",
+        FORCE, "n", tolerance=of_sampled_force,
+    )  # fmt: skip
     sticking_share: Real = entry(
         "share of the time in which the support sticks",
         tolerance=of_share, line=lambda share: f"{100.0 * share:.3g} %",
@@ -170,8 +170,20 @@ class Results(Generic[OutcomeT, ReasonT, Real, Count, Flag]):
         "estimated error of the time until inserted; NaN where unknown",
         TIME, estimated=True, stored=False,
     )  # fmt: skip
+    edge_force_max: Real = entry(
+        "largest normal force of the bottom face at an edge, or at one tip of a round part",
+        FORCE, tolerance=of_sampled_force, stored=False,
+    )  # fmt: skip
+    corner_force_max: Real = entry(
+        "largest normal force of a bottom corner on the flat base",
+        FORCE, tolerance=of_sampled_force, stored=False,
+    )  # fmt: skip
     side_force_max: Real = entry(
-        "largest normal force on one side of the slot after falling in; NaN if not computed",
+        "largest normal force of a side face at an edge",
+        FORCE, tolerance=of_sampled_force, stored=False,
+    )  # fmt: skip
+    wall_force_max: Real = entry(
+        "largest normal force of a bottom corner on the wall",
         FORCE, tolerance=of_sampled_force, stored=False,
     )  # fmt: skip
     steps: Count = entry("steps of the run", line=str, stored=False)

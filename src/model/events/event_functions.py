@@ -16,31 +16,28 @@ from collections.abc import Callable
 from math import pi
 from typing import Any, NamedTuple
 
-from model.compile.jit import inlined_kernel
+from model.compile.kernels import inlined_kernel
 from model.physics.contacts import (
     contact_load,
     corner_on_flat,
     corner_on_wall,
-    edge_on_face,
     edge_on_side,
+    support_on_face,
 )
-from model.physics.geometry import bottom_corner, edge_place
+from model.physics.geometry import bottom_corner, edge_place, tips_depth
 from model.physics.modes import OPEN
 from model.physics.motion import is_beside, is_supported, motion, never_sticks
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 
 NEVER = 1e300  # value of an event function that does not apply
-NOTHING = -1e300  # in place of quantities, where a condition has fewer than four
+ABSENT = -1e300  # in place of quantities, where a condition has fewer than four
 ON_AN_EVENT = 1e-8  # an event function below this counts as zero
 FLAT = 1e-8  # a part tilted by less is flat: it rests on its edge
 LARGEST_TILT = 0.5 * pi - 1e-3  # just below 90 degrees, where the paper's arm q has its pole
 
 
 def on_both_sides(function: Callable[..., Any]) -> tuple[Any, Any]:
-    """Make the kernels that call ``function`` with RIGHT_EDGE and with LEFT_EDGE in front.
-
-    numba packs starred arguments: kernels that are traced must not call these.
-    """
+    """Make the kernels that call ``function`` with RIGHT_EDGE and with LEFT_EDGE in front."""
 
     def on(edge: float) -> Any:
         @inlined_kernel
@@ -73,7 +70,8 @@ class CornerPositions(NamedTuple):
     """Positions of the edges in the frame of the part, and of the bottom corners in the base's.
 
     ``along_face`` and ``along_axis`` as in ``EdgePlace``, the depth of A2 behind the left side in
-    the selected variant, (X, Y) of the corners, the tilt, and dY/dτ of the corners.
+    the selected variant, (X, Y) of the corners, the tilt, and dY/dτ of the corners. ``tips_depth``
+    is that of a round part's tips over A1, and its negative that of the tips over A2.
     """
 
     right_along_face: float
@@ -88,6 +86,7 @@ class CornerPositions(NamedTuple):
     tilt: float
     right_corner_rise: float
     left_corner_rise: float
+    tips_depth: float
 
 
 class ContactState(NamedTuple):
@@ -112,6 +111,7 @@ def corner_positions(q, p):
         right.along_face, right.along_axis, left.along_face, left.along_axis, behind_side,
         right_x, right_y, left_x, left_y, q.tilt,
         q.y_rate + q.tilt_rate * (right_x - q.x), q.y_rate + q.tilt_rate * (left_x - q.x),
+        tips_depth(q.x, q.y, q.tilt, p) if p.is_round else 0.0,
     )  # fmt: skip
 
 
@@ -123,9 +123,15 @@ def places(_time, q, p, _mode):
 
 @inlined_kernel
 def face_state(_time, q, p, mode):
-    """``ContactState`` of the supporting edge on the bottom face."""
-    face = edge_on_face(mode.edge, q, p)
+    """``ContactState`` of the supporting edge, or of a round part's tips, on the bottom face.
+
+    Tips end where the edge on their side does: ``along`` is the edge's.
+    """
+    face = support_on_face(mode.edge, q, p)
     load = contact_load(face.depth, face.closing_rate, q, p)
+    if p.is_round:
+        edge = edge_place(mode.edge, q.x, q.y, q.tilt, p)
+        return ContactState(mode.edge * tips_depth(q.x, q.y, q.tilt, p), load, edge.along_face)
     return ContactState(face.depth, load, face.along)
 
 
@@ -206,7 +212,7 @@ def forces(time, q, p, mode):
 def not_fallen_in(at, p, _mode):
     """Negative once s >= a, X_B2 >= -l and Y_B2 < 0: A1 past B1, B2 in the slot (R8)."""
     past = p.half_width - at.right_along_face
-    return past, -at.left_corner_x - p.slot_half_width, at.left_corner_y, NOTHING
+    return past, -at.left_corner_x - p.slot_half_width, at.left_corner_y, ABSENT
 
 
 @inlined_kernel
@@ -220,7 +226,7 @@ def corners_outside(at, p, _mode):
 def not_inserted(at, p, _mode):
     """Negative once both bottom corners are deeper than the insertion depth."""
     depth = p.insertion_depth
-    return at.right_corner_y + depth, at.left_corner_y + depth, NOTHING, NOTHING
+    return at.right_corner_y + depth, at.left_corner_y + depth, ABSENT, ABSENT
 
 
 @inlined_kernel
@@ -236,7 +242,7 @@ def corner_in_slot(side, at, p, _mode):
     """Negative once a corner has come behind its wall, less far than it is below the plane."""
     x, y, _ = _corner(side, at)
     beside = x - p.slot_half_width
-    return -beside, beside + y, NOTHING, NOTHING
+    return -beside, beside + y, ABSENT, ABSENT
 
 
 @inlined_kernel
@@ -265,7 +271,7 @@ def corner_off_wall(side, at, p, _mode):
     meets the edge before this corner.
     """
     x, y, _ = _corner(side, at)
-    return p.slot_half_width - x, y, -side * at.tilt - FLAT, NOTHING
+    return p.slot_half_width - x, y, -side * at.tilt - FLAT, ABSENT
 
 
 @inlined_kernel
@@ -288,11 +294,33 @@ def edge_outside(edge, at, p, _mode):
     return -bottom, -left, -right, -top
 
 
+@inlined_kernel
+def edge_off_side(edge, at, p, _mode):
+    """Negative once an edge has entered the part, less far through its side than its bottom."""
+    bottom, left, right, top = edge_inside(edge, at, p)
+    beside = right if edge == RIGHT_EDGE else left
+    return -beside, beside - bottom, -top, ABSENT
+
+
+@inlined_kernel
+def tips_outside(edge, at, p, _mode):
+    """Negative once the tips over an edge have met the bottom face of a round part (T9).
+
+    They are behind it, less far than the edge behind the side, not past the other end of the face,
+    and the face's middle is on their side of the hole.
+    """
+    depth, middle = edge * at.tips_depth, 0.5 * edge * (at.right_corner_x + at.left_corner_x)
+    along = at.right_along_face if edge == RIGHT_EDGE else -at.left_along_face
+    return -depth, depth + along - p.half_width, -along - p.half_width, -middle
+
+
 right_corner_in_slot, left_corner_in_slot = on_both_sides(corner_in_slot)
 right_corner_above, left_corner_above = on_both_sides(corner_above)
 right_corner_over_flat, left_corner_over_flat = on_both_sides(corner_over_flat)
 right_corner_off_wall, left_corner_off_wall = on_both_sides(corner_off_wall)
 right_edge_outside, left_edge_outside = on_both_sides(edge_outside)
+right_edge_off_side, left_edge_off_side = on_both_sides(edge_off_side)
+right_tips_outside, left_tips_outside = on_both_sides(tips_outside)
 
 
 @inlined_kernel

@@ -1,13 +1,13 @@
 """Friction states at an instant, and removal of residual slip where contacts stick."""
 
-from model.compile.jit import inlined_kernel, kernel
+from model.compile.kernels import inlined_kernel, kernel, separate_kernel
 from model.physics.modes import STICKING, with_friction, with_slip_place
 from model.physics.motion import (
     forces_without_friction,
     is_beside,
     is_supported,
     mobility,
-    motion,
+    motion_at,
     never_sticks,
     side_contact,
     sticking_friction,
@@ -68,7 +68,7 @@ def _advanced(q, at):
     )
 
 
-@kernel
+@separate_kernel
 def decide_friction(time, q, p, mode, support_at_rest, side_at_rest):
     """Return (mode, possible): the mode with consistent friction states, if there are any.
 
@@ -108,7 +108,7 @@ def decide_friction(time, q, p, mode, support_at_rest, side_at_rest):
             if side_unloaded:
                 holds = holds and _may_begin(side, at.side_friction, begins.side_drive, least)
             if no_load:
-                at = motion(time + _MOMENT, _advanced(q, at), p, trial)
+                at = motion_at(time + _MOMENT, _advanced(q, at), p, trial)
             if support_at_rest:
                 holds = holds and _friction_holds(
                     support, at.support_friction, at.support_load, at.support_drive, p
@@ -127,10 +127,16 @@ def decide_friction(time, q, p, mode, support_at_rest, side_at_rest):
 
 
 @inlined_kernel
-def hold_sticking(q, p, mode):
-    """Return ``q`` with the slip of sticking contacts removed by friction impulses."""
+def sticking(mode):
+    """Return whether the support sticks, and whether the side does."""
     support_sticks = is_supported(mode) and mode.support_slip == STICKING
-    side_sticks = is_beside(mode) and mode.side_slip == STICKING
+    return support_sticks, is_beside(mode) and mode.side_slip == STICKING
+
+
+@inlined_kernel
+def without_slip(q, p, mode):
+    """Return ``q`` with the slip of sticking contacts removed by friction impulses."""
+    support_sticks, side_sticks = sticking(mode)
     if not (support_sticks or side_sticks):
         return q
     support, side = support_contact(q, p, mode), side_contact(q, p, mode)
@@ -146,6 +152,18 @@ def hold_sticking(q, p, mode):
         q.y_rate + impulse * t[1] + side_impulse * u[1],
         q.tilt_rate + turning(impulse * t[2] + side_impulse * u[2], p),
     )  # fmt: skip
+
+
+@separate_kernel
+def _without_slip_at(q, p, mode):
+    return without_slip(q, p, mode)
+
+
+@inlined_kernel
+def hold_sticking(q, p, mode):
+    """Return ``without_slip``, by a call if a contact sticks: for code that runs once a step."""
+    support_sticks, side_sticks = sticking(mode)
+    return _without_slip_at(q, p, mode) if support_sticks or side_sticks else q
 
 
 @inlined_kernel

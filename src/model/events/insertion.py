@@ -8,7 +8,7 @@ the wall. Until alignment the two scenes have the same events.
 from dataclasses import replace
 from math import sqrt
 
-from model.compile.jit import inlined_kernel, kernel
+from model.compile.kernels import inlined_kernel, kernel
 from model.events import event_functions as functions
 from model.events import table, transitions
 from model.events.event_functions import corner_positions, edge_inside, on_both_sides
@@ -22,11 +22,7 @@ from model.physics.modes import (
     CLOSED,
     OPEN,
     STICKING,
-    with_corner,
-    with_corners_inside,
-    with_face,
-    with_support,
-    with_wall,
+    with_support_opened,
 )
 from model.physics.motion import is_beside, is_supported, side_contact, support_contact
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
@@ -94,25 +90,31 @@ _on_left_wall = state_is("wall", OPEN, negated=True)
 @inlined_kernel
 def _inside(_time, _q, _p, mode, _declared):
     """Record, once, that the paper's corner conditions hold."""
-    return with_corners_inside(mode), OUTCOME.ALIGNED, REASON.NONE
+    return mode._replace(corners_inside=True), OUTCOME.ALIGNED, REASON.NONE
 
 
 @inlined_kernel
 def _right_side(mode, state):
     """Return the mode with the state of A1 on the right side face."""
-    return with_face(mode, RIGHT_EDGE, state)
+    return mode._replace(edge=RIGHT_EDGE, face=state)
 
 
 @inlined_kernel
 def _right_wall(mode, state):
     """Return the mode with the state of B1 on the right wall."""
-    return with_corner(mode, RIGHT_EDGE, state, 0.0)
+    return mode._replace(edge=RIGHT_EDGE, corner=state, corner_offset=0.0)
+
+
+@inlined_kernel
+def _left_wall(mode, state):
+    """Return the mode with the state of B2 on the left wall."""
+    return mode._replace(wall=state)
 
 
 @inlined_kernel
 def _against_right(mode):
     """Return the mode with the support on the right side of the slot."""
-    return mode if mode.in_slot else with_support(mode, True)
+    return mode if mode.in_slot else with_support_opened(mode, True)
 
 
 @kernel
@@ -139,7 +141,7 @@ def _corner_touches(side, time, q, p, mode, _declared):
         return mode, OUTCOME.LEFT_SCENE, REASON.BOTH_SIDES
     corner = corner_on_wall(side, q, p)
     state = touching(max(corner.depth, 0.0), corner, q, p)
-    met = with_wall(mode, state)
+    met = mode._replace(wall=state)
     if side == RIGHT_EDGE:
         met = _right_wall(_against_right(mode), state)
     return decided(time, q, p, met, False, False)
@@ -177,7 +179,7 @@ RIGHT_WALL = Source(functions.right_wall_state, _on_right_wall)
 LEFT_WALL = Source(functions.left_wall_state, _on_left_wall)
 _AT_RIGHT_SIDE = transitions.of_contact(_right_side_depth, _right_side)
 _AT_RIGHT_WALL = transitions.of_contact(_right_wall_depth, _right_wall)
-_AT_LEFT_WALL = transitions.of_contact(_left_wall_depth, with_wall)
+_AT_LEFT_WALL = transitions.of_contact(_left_wall_depth, _left_wall)
 
 TABLE = (
     *CONDITIONS,
@@ -203,17 +205,19 @@ TABLE = (
         transitions.left_corner_lands,
     ),
     *CONTACTS,
-    *of_contact("right_side", "face", RIGHT_SIDE, _AT_RIGHT_SIDE, "right", in_slot=True),
+    *of_contact("right_side", "face", RIGHT_SIDE, _AT_RIGHT_SIDE, ("right", "side"), in_slot=True),
     Event(
         "right_side_end", RIGHT_SIDE, ((_on_right_side, functions.before_side_end),),
         _right_side_ends,
     ),
-    *of_contact("right_wall", "corner", RIGHT_WALL, _AT_RIGHT_WALL, "right", in_slot=True),
+    *of_contact(
+        "right_wall", "corner", RIGHT_WALL, _AT_RIGHT_WALL, ("right", "wall"), in_slot=True
+    ),
     Event(
         "right_wall_end", RIGHT_WALL, ((_on_right_wall, functions.below_plane),),
         _AT_RIGHT_WALL.ends,
     ),
-    *of_contact("left_wall", "wall", LEFT_WALL, _AT_LEFT_WALL, "side"),
+    *of_contact("left_wall", "wall", LEFT_WALL, _AT_LEFT_WALL, ("side", "wall")),
     Event(
         "left_wall_end", LEFT_WALL, ((_on_left_wall, functions.below_plane),), _AT_LEFT_WALL.ends
     ),

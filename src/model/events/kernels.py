@@ -1,52 +1,85 @@
-"""Kernels generated from a table of events: samples, single event functions, transitions."""
+"""Kernels on the events of a table: samples, single levels, guards, resets and transitions.
 
-import hashlib
-from collections.abc import Callable, Iterator
+A loop over the events of a table, which is known when a kernel is compiled, becomes a line of code
+for each event, in which the event's own functions are called.
+"""
+
+from dataclasses import dataclass
 from functools import cache
 from itertools import groupby
-from pathlib import Path
 from typing import Any, NamedTuple
 
-from numba.core import types
-from numba.extending import typeof_impl
-
-from model.compile.cache import PACKAGE
-from model.compile.generated_kernels import GeneratedKernels
-from model.compile.jit import Symbol, inlined_kernel, kernel, python_of
-from model.compile.source import Lines, Writer, is_generated
+from model.compile.kernels import Symbol, inlined_kernel, kernel, separate_kernel
 from model.events import event_functions as functions
+from model.events.event_functions import NEVER, largest
+from model.events.round_parts import RIGHT_TIPS, with_tips
 from model.events.scenes import Declared, Scene
-from model.events.table import EVENTS, PLACES_OF_FORCES, Event, Source, Table
+from model.events.table import GROUPS, OF_LENGTH, PLACES_OF_CONTACT, Event, Source, Table
 from model.physics.modes import START
-from model.physics.parameters import Constants
+from model.physics.parameters import Constants, RoundConstants
 
 MOST_EVENTS = 44  # capacity of records and histories
 MOST_SAMPLES = 2 * MOST_EVENTS
 
 
-class SceneKernels(NamedTuple):
-    """A scene in the form that kernels take: its declared contacts and its event kernels."""
+@dataclass(frozen=True, eq=False)
+class Numbered:
+    """An event of a table: its number, its index there.
+
+    Attributes:
+        number: index in the table.
+        event: the event.
+        is_combined: True if it has several quantities.
+    """
+
+    number: int
+    event: Event
+    is_combined: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Events:
+    """The events of a table, as kernels loop over them.
+
+    Attributes:
+        all: every event, in the order of the table.
+        combined: count of the events with several quantities; these come first.
+        by_source: for each source, its events.
+        in_order: neighbours in the table that share a source.
+        forces: for each of ``GROUPS``, numbers of the events whose levels are normal forces in it.
+        loads: pairs (number, place): events whose levels are normal forces, and the index of their
+            place in ``PLACES_OF_CONTACT``.
+        corners_inside: number of "corners_inside"; face_end: of "face_end".
+        inserts: True if runs continue after alignment until the part is inserted.
+        constants: class of the constants: ``RoundConstants`` for a round part.
+    """
+
+    all: tuple[Numbered, ...]
+    combined: int
+    by_source: tuple[tuple[Source, tuple[Numbered, ...]], ...]
+    in_order: tuple[tuple[Source, tuple[Numbered, ...]], ...]
+    forces: dict[str, tuple[int, ...]]
+    loads: tuple[tuple[int, int], ...]
+    corners_inside: int
+    face_end: int
+    inserts: bool
+    constants: type[Constants]
+
+    @property
+    def count(self) -> int:
+        """Number of events."""
+        return len(self.all)
+
+    def with_a(self, part: str) -> tuple[Numbered, ...]:
+        """Return the events whose attribute ``part`` is stated."""
+        return tuple(each for each in self.all if getattr(each.event, part) is not None)
+
+
+class SceneEvents(NamedTuple):
+    """A scene in the form that kernels take: its declared contacts and its events."""
 
     declared: Declared
-    events: Any
-
-
-@cache
-def _scene_type(events: Any) -> Any:
-    declared = [types.boolean] * len(Declared._fields)
-    return types.NamedTuple(
-        [types.NamedUniTuple(declared[0], len(declared), Declared), events], SceneKernels
-    )
-
-
-@typeof_impl.register(SceneKernels)
-def _type_of(scene: SceneKernels, _context: Any) -> Any:
-    return _scene_type(scene.events.type)  # numba builds it anew at every call, in 0.1 ms
-
-
-def in_kernels(scene: Scene) -> SceneKernels:
-    """Return the scene in the form that kernels take."""
-    return SceneKernels(scene.declared, kernels_of(scene.events))
+    events: Events
 
 
 class _Any(Symbol):
@@ -58,16 +91,16 @@ class _Any(Symbol):
     __add__ = __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = __neg__ = __abs__ = _same
 
 
+_ANY: Any = _Any()
+_ANY_PLACES = functions.CornerPositions(*[_ANY] * len(functions.CornerPositions._fields))
+
+
 def _is_combined(event: Event) -> bool:
     """Return whether the event function is the largest of several quantities."""
     if event.source.of is not functions.places:
         return False
-    p, at = Constants(*[_ANY] * len(Constants._fields)), _ANY_PLACES
-    return isinstance(python_of(event.function[0][1])(at, p, START), tuple)
-
-
-_ANY: Any = _Any()
-_ANY_PLACES = functions.CornerPositions(*[_ANY] * len(functions.CornerPositions._fields))
+    p = Constants(*[_ANY] * len(Constants._fields))
+    return isinstance(event.function[0][1](_ANY_PLACES, p, START), tuple)
 
 
 def combined_count(table: Table) -> int:
@@ -84,161 +117,156 @@ def combined_count(table: Table) -> int:
     return sum(combined)
 
 
-def _sample(table: Table, combined: int, write: Writer) -> Lines:
-    """All levels; then, for every event with several quantities, the index of the largest."""
-    sources: dict[Source, list[int]] = {}
-    for number, event in enumerate(table):
-        sources.setdefault(event.source, []).append(number)
-    for source, numbers in sources.items():
-        yield from (f"f{k} = NEVER" for k in numbers)
-        yield from (f"g{k} = NEVER" for k in numbers if k < combined)
-        yield f"if {write.name(source.exists)}(p, mode):"
-        yield f"    at = {write.name(source.of)}(time, q, p, mode)"
-        for k in numbers:
-            for applies, function in table[k].function:
-                value = f"{write.name(function)}(at, p, mode)"
-                yield f"    if {write.name(applies)}(p, mode):"
-                yield (
-                    f"        f{k}, g{k} = largest({value})"
-                    if k < combined
-                    else f"        f{k} = {value}"
-                )
-    found = [f"f{k}" for k in range(len(table))] + [f"g{k}" for k in range(combined)]
-    yield f"return {', '.join(found)}"
+@cache
+def events_of(table: Table) -> Events:
+    """Return the events of a table as kernels take them."""
+    combined, names = combined_count(table), [each.name for each in table]
+    numbered = tuple(Numbered(k, event, k < combined) for k, event in enumerate(table))
+    loads = [(each.number, each.event.force_on) for each in numbered if each.event.force_on]
+    neighbours = groupby(numbered, key=lambda each: each.event.source)
+    sources = dict.fromkeys(each.source for each in table)
+    return Events(
+        all=numbered,
+        combined=combined,
+        by_source=tuple(
+            (source, tuple(each for each in numbered if each.event.source == source))
+            for source in sources
+        ),
+        in_order=tuple((source, tuple(members)) for source, members in neighbours),
+        forces={group: tuple(n for n, (here, _) in loads if here == group) for group in GROUPS},
+        loads=tuple((n, PLACES_OF_CONTACT.index(place)) for n, (_, place) in loads),
+        corners_inside=names.index("corners_inside"),
+        face_end=names.index("face_end"),
+        inserts="inserted" in names,
+        constants=RoundConstants if RIGHT_TIPS in names else Constants,
+    )
 
 
-def _level(table: Table, combined: int, write: Writer) -> Lines:
-    """The level of one event, which applies."""
-    for source, group in groupby(enumerate(table), key=lambda each: each[1].source):
-        events = list(group)
-        yield f"if {events[0][0]} <= which <= {events[-1][0]}:"
-        yield f"    at = {write.name(source.of)}(time, q, p, mode)"
-        for k, event in events:
-            yield f"    if which == {k}:"
-            *others, last = event.function
-            for applies, function in others:
-                yield f"        if {write.name(applies)}(p, mode):"
-                yield f"            return {write.name(function)}(at, p, mode)"
-            value = f"{write.name(last[1])}(at, p, mode)"
-            yield (
-                f"        return largest({value})[0]" if k < combined else f"        return {value}"
-            )
-    yield "return NEVER"
+def in_kernels(scene: Scene, is_round: bool = False) -> SceneEvents:
+    """Return the scene, of plane or of round parts, in the form that kernels take."""
+    table = with_tips(scene.events) if is_round else scene.events
+    return SceneEvents(scene.declared, events_of(table))
 
 
-def _quantities(table: Table, combined: int, write: Writer) -> Lines:
-    """The four quantities of one event with several."""
-    yield f"at = {write.name(functions.places)}(time, q, p, mode)"
-    for k in range(combined):
-        value = f"{write.name(table[k].function[0][1])}(at, p, mode)"
-        yield f"return {value}" if k == combined - 1 else f"if which == {k}: return {value}"
+# ------------------------------------------------------------------------------------------ samples
 
 
-def _force(table: Table, place: str) -> Lines:
-    """Normal force at a place, from a sample; it may be negative."""
-    numbers = [k for k, event in enumerate(table) if event.force_on == place]
-    for k in numbers:
-        yield f"f{k} = sample[{k}] if sample[{k}] != NEVER else 0.0"
-    yield f"return {' + '.join(f'f{k}' for k in numbers) or '0.0'}"
+@separate_kernel
+def sample_into(events, time, q, p, mode, out):
+    """Write the levels of all events, NEVER for those that do not apply.
 
-
-def _start(table: Table) -> Lines:
-    """Check of the levels at the start."""
-    yield "found = sample(0.0, q, p, mode)"
-    starts = [(k, event.start) for k, event in enumerate(table) if event.start is not None]
-    yield f"return {' or '.join(f'found[{k}] < {start!r}' for k, start in starts) or 'False'}"
-
-
-def _fingerprint(function: Callable[..., Any]) -> bytes:
-    """Bytes that identify a function: its file, name and code, and the values that it encloses.
-
-    A file of the package is named by its place in it: else each checkout would compile its kernels.
+    After them comes for each event with several quantities the index of the largest.
     """
-    code = function.__code__
-    file = Path(code.co_filename)
-    if is_generated(function):
-        file = Path(file.name)
-    elif file.is_relative_to(PACKAGE):
-        file = file.relative_to(PACKAGE)
-    found = repr((str(file), code.co_qualname, code.co_names, code.co_consts)).encode()
-    found += code.co_code
-    cells = [each.cell_contents for each in function.__closure__ or ()]
-    for each in map(python_of, cells):
-        found += _fingerprint(each) if hasattr(each, "__code__") else repr(each).encode()
+    for source, members in events.by_source:
+        for each in members:
+            out[each.number] = NEVER
+            if each.is_combined:
+                out[events.count + each.number] = NEVER
+        if source.exists(p, mode):
+            at = source.of(time, q, p, mode)
+            for each in members:
+                for applies, function in each.event.function:
+                    if applies(p, mode):
+                        found = function(at, p, mode)
+                        if each.is_combined:
+                            out[each.number], out[events.count + each.number] = largest(found)
+                        else:
+                            out[each.number] = found
+
+
+@inlined_kernel
+def _level_at(each, at, p, mode):
+    """Return the level of an event that applies, from the quantities of its source."""
+    for applies, function in each.event.function[:-1]:
+        if applies(p, mode):
+            return function(at, p, mode)
+    found = each.event.function[-1][1](at, p, mode)
+    return largest(found)[0] if each.is_combined else found
+
+
+@separate_kernel
+def level(events, which, time, q, p, mode):
+    """Return the level of the event ``which``, which applies."""
+    for source, members in events.in_order:
+        if members[0].number <= which <= members[-1].number:
+            at = source.of(time, q, p, mode)
+            for each in members:
+                if which == each.number:
+                    return _level_at(each, at, p, mode)
+    return NEVER
+
+
+@kernel
+def quantities(events, which, time, q, p, mode):
+    """Return the four quantities of an event with several."""
+    at, found = functions.places(time, q, p, mode), (NEVER, NEVER, NEVER, NEVER)
+    for each in events.all[: events.combined]:
+        if which == each.number:
+            found = each.event.function[0][1](at, p, mode)
     return found
 
 
-def _label(table: Table) -> str:
-    """Unique name of a table."""
-    if table is EVENTS:
-        return "alignment"
-    digest = hashlib.sha256()
-    for event in table:
-        cases = (each for case in event.function for each in case)
-        parts = event.source.of, event.source.exists, *cases, event.transition, event.reset
-        digest.update(repr((event.name, event.kind, event.force_on, event.start)).encode())
-        for part in filter(None, (*parts, event.guard)):
-            digest.update(_fingerprint(python_of(part)))
-    return f"table-{digest.hexdigest()[:16]}"
+@inlined_kernel
+def force_on(events, group, sample):
+    """Return the sum of the normal forces in one of ``GROUPS``, from a sample; may be negative."""
+    force = 0.0
+    for k in events.forces[group]:
+        force += sample[k] if sample[k] != NEVER else 0.0
+    return force
 
 
-@cache
-def kernels_of(table: Table) -> GeneratedKernels:
-    """Return the kernels of a table.
-
-    Members:
-        count, combined, sample_size: number of events, of events with several quantities, and of
-            values in a sample.
-        sample(time, q, p, mode): levels of all events, NEVER for those that do not apply, and for
-            each event with several quantities the index of the largest.
-        sample_into(time, q, p, mode, out): writes the sample into ``out``.
-        level(which, time, q, p, mode), quantities(which, time, q, p, mode): level and quantities of
-            one event.
-        guard(which, time, q, p, mode): True if a down-crossing of the level is the event.
-        is_conditional(which): True if ``guard`` may be False.
-        reset(which, q, p, mode), transition(which, time, q, p, mode, declared): see ``Event``.
-        kind(which): LENGTH, LOAD or FRICTION.
-        start_is_impossible(q, p, mode), support_force(sample), side_force(sample),
-            right_force(sample).
-        corners_inside, face_end: numbers of these events.
-        inserts: 1 if runs continue after alignment until the part is inserted, else 0.
-    """
-    combined, label = combined_count(table), _label(table)
-    write = Writer(label, NEVER=functions.NEVER, largest=functions.largest)
-    events = list(enumerate(table))
-    write.write(inlined_kernel, "sample(time, q, p, mode)", _sample(table, combined, write))
-    size = len(table) + combined
-    write.write(
-        kernel, "sample_into(time, q, p, mode, out)",
-        iter(("found = sample(time, q, p, mode)", f"for i in range({size}): out[i] = found[i]")),
-    )  # fmt: skip
-    write.write(kernel, "level(which, time, q, p, mode)", _level(table, combined, write))
-    write.write(kernel, "quantities(which, time, q, p, mode)", _quantities(table, combined, write))
-    write.write(kernel, "start_is_impossible(q, p, mode)", _start(table))
-    for place in PLACES_OF_FORCES:
-        write.write(inlined_kernel, f"{place}_force(sample)", _force(table, place))
-
-    def calls(part: str, arguments: str) -> Iterator[tuple[int, str]]:
-        for k, event in enumerate(table):
-            if function := getattr(event, part):
-                yield k, f"{write.name(function)}({arguments})"
-
-    at = f"{write.name(functions.corner_positions)}(q, p)"
-    write.choose("guard(which, time, q, p, mode)", calls("guard", f"{at}, p, mode"), "True")
-    guarded = ((k, "True") for k, each in events if each.guard)
-    write.choose("is_conditional(which)", guarded, "False")
-    write.choose("reset(which, q, p, mode)", calls("reset", "q, p, mode"), "q")
-    arguments = "time, q, p, mode, declared"
-    *others, (_, last) = calls("transition", arguments)
-    write.choose(f"transition(which, {arguments})", iter(others), last)
-    write.choose("kind(which)", ((k, str(each.kind)) for k, each in events if each.kind), "0")
-    names = [each.name for each in table]
-    numbers = {
-        "count": len(table), "combined": combined, "sample_size": size,
-        "corners_inside": names.index("corners_inside"), "face_end": names.index("face_end"),
-        "inserts": int("inserted" in names),
-    }  # fmt: skip
-    return GeneratedKernels(label, write.members | numbers, write.sources)
+@kernel
+def start_is_impossible(events, q, p, mode):
+    """Return whether a level that limits the start is below its limit."""
+    for each in events.with_a("start"):
+        for applies, _ in each.event.function:
+            exists = each.event.source.exists(p, mode) and applies(p, mode)
+            if exists and level(events, each.number, 0.0, q, p, mode) < each.event.start:
+                return True
+    return False
 
 
-ALIGNMENT_EVENTS = kernels_of(EVENTS)
+# --------------------------------------------------------------------------- single events at work
+
+
+@inlined_kernel
+def is_conditional(events, which):
+    """Return whether ``guard`` may refuse a down-crossing of the event ``which``."""
+    return any(which == each.number for each in events.with_a("guard"))
+
+
+@inlined_kernel
+def guard(events, which, q, p, mode):
+    """Return whether a down-crossing of the level is the event ``which``."""
+    at = functions.corner_positions(q, p)
+    for each in events.with_a("guard"):
+        if which == each.number:
+            return each.event.guard(at, p, mode)
+    return True
+
+
+@inlined_kernel
+def reset(events, which, q, p, mode):
+    """Return the state with which the next mode begins after the event ``which``."""
+    for each in events.with_a("reset"):
+        if which == each.number:
+            return each.event.reset(q, p, mode)
+    return q
+
+
+@inlined_kernel
+def transition(events, which, time, q, p, mode, declared):
+    """Return (next mode, outcome, reason) after the event ``which``; see ``Event``."""
+    for each in events.all[:-1]:
+        if which == each.number:
+            return each.event.transition(time, q, p, mode, declared)
+    return events.all[-1].event.transition(time, q, p, mode, declared)
+
+
+@inlined_kernel
+def kind_of(events, which):
+    """Return how the level of the event ``which`` depends on the state: see ``Event.kind``."""
+    for each in events.all:
+        if which == each.number:
+            return each.event.kind
+    return OF_LENGTH

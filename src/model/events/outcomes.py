@@ -3,7 +3,7 @@
 from enum import IntEnum
 from typing import Any
 
-from model.compile.views import numbers
+from model.physics.tables import numbers
 
 
 class Outcome(IntEnum):

@@ -7,9 +7,10 @@ it is assumed to last. The steady state is reached when neither change, times fi
 alignment or any other event that did not happen in the last n periods.
 """
 
-from model.compile.jit import inlined_kernel, kernel
+from model.compile.kernels import inlined_kernel, kernel
 from model.events.event_functions import NEVER
-from model.events.table import FRICTION, LOAD
+from model.events.kernels import kind_of
+from model.events.table import OF_FRICTION, OF_LOAD
 from model.physics.notation import STATE_SIZE, State
 
 LONGEST_PERIOD = 8
@@ -142,9 +143,9 @@ def _change(kind, r, p):
     length = r[0] + r[1] + arm * r[2]
     rate = r[3] + r[4] + arm * r[5]
     load = p.contact_stiffness * length + p.contact_damping * rate
-    if kind == FRICTION:
+    if kind == OF_FRICTION:
         return 2.0 * load + length + rate
-    if kind == LOAD:
+    if kind == OF_LOAD:
         return load
     return length + rate
 
@@ -155,7 +156,7 @@ def _no_event_follows(events, count, n, reach, lowest, p):
     for i in range(n):
         for which in range(events.count):
             distance = lowest[(count - i) % LONGEST_PERIOD, which]
-            if distance != NEVER and _SAFETY * _change(events.kind(which), reach, p) > distance:
+            if distance != NEVER and _SAFETY * _change(kind_of(events, which), reach, p) > distance:
                 return False
     return True
 

@@ -11,8 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
-from model.compile.jit import inlined_kernel
-from model.compile.source import defined
+from model.compile.kernels import inlined_kernel
 from model.events import event_functions as functions
 from model.events import friction, transitions
 from model.physics.modes import CLOSED, OPEN, RELEASED, STICKING
@@ -20,9 +19,10 @@ from model.physics.motion import is_beside, is_supported, never_sticks
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 
 Kernel = Callable[..., Any]
-LENGTH, LOAD, FRICTION = range(3)  # how a level depends on the state
+OF_LENGTH, OF_LOAD, OF_FRICTION = range(3)  # how a level depends on the state
 START_TOLERANCE = 1e-9  # of levels at the start, which may be zero to rounding
-PLACES_OF_FORCES = "support", "side", "right"  # under the part, left side, right side
+GROUPS = "support", "side", "right"  # of contacts: under the part, on its left, on its right
+PLACES_OF_CONTACT = "edge", "corner", "side", "wall"  # kinds of contact: see physics/contacts.py
 
 
 @dataclass(frozen=True)
@@ -52,8 +52,10 @@ class Event:
         reset: (q, p, mode) -> initial state of the next mode; the state at the event by default.
         guard: (``CornerPositions``, p, mode) -> True if a down-crossing is the event; always by
             default.
-        kind: how the level depends on the state: LENGTH (also for a velocity), LOAD or FRICTION.
-        force_on: one of ``PLACES_OF_FORCES`` if the level is the normal force there.
+        kind: how the level depends on the state: OF_LENGTH (also for a velocity), OF_LOAD or
+            OF_FRICTION.
+        force_on: if the level is a normal force, its group and place, of ``GROUPS`` and
+            ``PLACES_OF_CONTACT``.
         start: level below which a start is impossible.
     """
 
@@ -63,8 +65,8 @@ class Event:
     transition: Kernel
     reset: Kernel | None = None
     guard: Kernel | None = None
-    kind: int = LENGTH
-    force_on: str | None = None
+    kind: int = OF_LENGTH
+    force_on: tuple[str, str] | None = None
     start: float | None = None
 
 
@@ -101,12 +103,14 @@ def _has_fallen_in(_p, mode):
 
 
 @inlined_kernel
-def _right_edge_is_free(_p, mode):
+def right_edge_is_free(_p, mode):
+    """Return whether A1 is neither under the bottom face nor behind the right side face."""
     return _no_face(RIGHT_EDGE, mode)
 
 
 @inlined_kernel
-def _left_edge_is_free(_p, mode):
+def left_edge_is_free(_p, mode):
+    """Return whether A2 is neither under the bottom face nor behind the side face."""
     return _no_face(LEFT_EDGE, mode) and mode.side == OPEN
 
 
@@ -165,7 +169,8 @@ def _corner_first(edge, at, p, mode):
     A part that is flat, to ``FLAT``, meets both together: then the edge carries it.
     """
     _, place = functions.largest(functions.corner_off_wall(edge, at, p, mode))
-    gap, _ = functions.largest(functions.edge_outside(edge, at, p, mode))
+    outside = functions.tips_outside if p.is_round else functions.edge_outside
+    gap, _ = functions.largest(outside(edge, at, p, mode))
     return place == 0.0 or gap > functions.ON_AN_EVENT + 2.0 * functions.FLAT * p.half_width
 
 
@@ -180,10 +185,13 @@ def state_is(field: str, state: int, in_slot: bool | None = None, negated: bool 
 
     With ``in_slot``, only if the support is, or is not, the right side of the slot.
     """
-    condition = {None: "", True: " and mode.in_slot", False: " and not mode.in_slot"}[in_slot]
-    is_it = "!=" if negated else "=="
-    code = f"def applies(_p, mode):\n    return mode.{field} {is_it} {state}{condition}\n"
-    return inlined_kernel(defined("applies", code, {}))
+
+    @inlined_kernel
+    def applies(_p, mode):
+        here = getattr(mode, field) != state if negated else getattr(mode, field) == state
+        return here and (in_slot is None or mode.in_slot == in_slot)
+
+    return applies
 
 
 def of_contact(
@@ -191,7 +199,7 @@ def of_contact(
     field: str,
     source: Source,
     transition: transitions.OfContact,
-    force_on: str,
+    force_on: tuple[str, str],
     in_slot: bool | None = None,
 ) -> Table:
     """Make the events of a contact that overlaps the base: load lost, gap opened, load returned.
@@ -201,13 +209,13 @@ def of_contact(
     presses, is_released = (state_is(field, state, in_slot) for state in (CLOSED, RELEASED))
     return (
         Event(
-            f"{name}_load", source, ((presses, functions.load),), transition.unloaded, kind=LOAD,
+            f"{name}_load", source, ((presses, functions.load),), transition.unloaded, kind=OF_LOAD,
             force_on=force_on,
         ),
         Event(f"{name}_gap", source, ((is_released, functions.depth),), transition.opens),
         Event(
             f"{name}_reload", source, ((is_released, functions.missing_load),), transition.reloaded,
-            kind=LOAD,
+            kind=OF_LOAD,
         ),
     )  # fmt: skip
 
@@ -224,11 +232,11 @@ CONDITIONS: Table = (
     ),
     # An edge enters the part.
     Event(
-        "right_edge_enters", PLACES, ((_right_edge_is_free, functions.right_edge_outside),),
+        "right_edge_enters", PLACES, ((right_edge_is_free, functions.right_edge_outside),),
         transitions.right_edge_enters,
     ),
     Event(
-        "left_edge_enters", PLACES, ((_left_edge_is_free, functions.left_edge_outside),),
+        "left_edge_enters", PLACES, ((left_edge_is_free, functions.left_edge_outside),),
         transitions.left_edge_enters, start=-START_TOLERANCE,
     ),
     # A bottom corner presses on the flat base.
@@ -254,7 +262,7 @@ CONDITIONS: Table = (
 CONTACTS: Table = (
     # The edge under the bottom face loses its load; the gap opens; the load returns before the gap
     # opens; the edge passes the corner on its own side, toward the slot, or the other one.
-    *of_contact("face", "face", FACE, transitions.FACE, "support", in_slot=False),
+    *of_contact("face", "face", FACE, transitions.FACE, ("support", "edge"), in_slot=False),
     Event(
         "face_end", FACE, ((functions.on_face, functions.before_face_end),), transitions.face_ends
     ),
@@ -263,13 +271,15 @@ CONTACTS: Table = (
         start=-START_TOLERANCE,
     ),
     # The same for A2 on the left side face; A2 passes an end of the face.
-    *of_contact("side", "side", SIDE, transitions.SIDE, "side"),
+    *of_contact("side", "side", SIDE, transitions.SIDE, ("side", "side")),
     Event(
         "side_end", SIDE, ((functions.on_left_side, functions.before_side_end),),
         transitions.side_ends,
     ),
     # The same for a bottom corner on the flat base; the corner slides into the slot.
-    *of_contact("corner", "corner", CORNER, transitions.CORNER, "support", in_slot=False),
+    *of_contact(
+        "corner", "corner", CORNER, transitions.CORNER, ("support", "corner"), in_slot=False
+    ),
     Event(
         "corner_end", CORNER, ((functions.on_corner, functions.beside_slot),),
         transitions.corner_slides_in,
@@ -278,12 +288,12 @@ CONTACTS: Table = (
     Event(
         "support_slip", FORCES,
         ((_support_sticks, functions.support_reserve), (_support_slides, functions.support_slip)),
-        transitions.support_turns, reset=friction.at_rest_on_support, kind=FRICTION,
+        transitions.support_turns, reset=friction.at_rest_on_support, kind=OF_FRICTION,
     ),
     Event(
         "side_slip", FORCES,
         ((_side_sticks, functions.side_reserve), (_side_slides, functions.side_slip)),
-        transitions.side_turns, reset=friction.at_rest_on_side, kind=FRICTION,
+        transitions.side_turns, reset=friction.at_rest_on_side, kind=OF_FRICTION,
     ),
     Event(
         "overturned", PLACES, ((functions.always, functions.upright),), transitions.overturned,

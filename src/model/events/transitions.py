@@ -6,25 +6,26 @@ and the contacts that the scene declares.
 
 from typing import Any, NamedTuple
 
-from model.compile.jit import inlined_kernel, kernel
-from model.events.event_functions import corner_positions, edge_inside, on_both_sides
+from model.compile.kernels import inlined_kernel, kernel
+from model.events.event_functions import (
+    corner_positions,
+    edge_inside,
+    on_both_sides,
+)
 from model.events.friction import decide_friction, sign
 from model.events.outcomes import OUTCOME, REASON
-from model.physics.contacts import contact_load, corner_on_flat, edge_on_face, edge_on_side
+from model.physics.contacts import contact_load, corner_on_flat, edge_on_side, support_on_face
 from model.physics.geometry import bottom_corner, edge_place
 from model.physics.modes import (
     CLOSED,
     OPEN,
     RELEASED,
     STICKING,
-    with_corner,
     with_drop,
-    with_face,
     with_friction,
-    with_side,
-    with_support,
+    with_support_opened,
 )
-from model.physics.motion import motion
+from model.physics.motion import motion_at
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 
 # Plain integers for kernels; CONTINUES: the run continues in the returned mode.
@@ -34,9 +35,7 @@ CONTINUES = -1
 @inlined_kernel
 def decided(time, q, p, mode, support_at_rest, side_at_rest):
     """Continue in ``mode`` with consistent friction states, or fail if there are none."""
-    # Not the literals True and False: numba would compile everything below for each of them.
-    at_rest = bool(support_at_rest), bool(side_at_rest)
-    found, possible = decide_friction(time, q, p, mode, at_rest[0], at_rest[1])
+    found, possible = decide_friction(time, q, p, mode, support_at_rest, side_at_rest)
     if possible:
         return found, CONTINUES, REASON.NONE
     return mode, OUTCOME.FAILED, REASON.NO_FRICTION_SOLUTION
@@ -105,7 +104,19 @@ def touching(depth, contact, q, p):
 @inlined_kernel
 def _on_edges(mode):
     """Return the mode with the support, if it was on the right side of the slot, on the edges."""
-    return with_support(mode, False) if mode.in_slot else mode
+    return with_support_opened(mode, False) if mode.in_slot else mode
+
+
+@kernel
+def face_lands(edge, time, q, p, mode, declared):
+    """Begin the contact of the bottom face with an edge, or with the tips over it."""
+    if not declared.edge_on_face:
+        return mode, OUTCOME.LEFT_SCENE, REASON.UNDECLARED_CONTACT
+    if mode.edge != edge and (mode.face != OPEN or mode.corner != OPEN):
+        return mode, OUTCOME.LEFT_SCENE, REASON.BOTH_SIDES
+    state = touching(0.0, support_on_face(edge, q, p), q, p)
+    met = _on_edges(mode)._replace(edge=edge, face=state)
+    return decided(time, q, p, met, False, False)
 
 
 @kernel
@@ -113,21 +124,17 @@ def edge_enters(edge, time, q, p, mode, declared):
     """Begin the contact of an edge with the face behind which it is least deep in the part."""
     bottom, left, right, top = edge_inside(edge, corner_positions(q, p), p)
     if bottom <= min(left, min(right, top)):
-        if not declared.edge_on_face:
-            return mode, OUTCOME.LEFT_SCENE, REASON.UNDECLARED_CONTACT
-        if mode.edge != edge and (mode.face != OPEN or mode.corner != OPEN):
-            return mode, OUTCOME.LEFT_SCENE, REASON.BOTH_SIDES
-        state = touching(0.0, edge_on_face(edge, q, p), q, p)
-        return decided(time, q, p, with_face(_on_edges(mode), edge, state), False, False)
+        return face_lands(edge, time, q, p, mode, declared)
     if edge == LEFT_EDGE and left <= min(right, top):
         if not declared.edge_on_side:
             return mode, OUTCOME.LEFT_SCENE, REASON.UNDECLARED_CONTACT
         state = touching(0.0, edge_on_side(LEFT_EDGE, q, p), q, p)
-        return decided(time, q, p, with_side(mode, state), False, False)
+        return decided(time, q, p, mode._replace(side=state), False, False)
     return mode, OUTCOME.LEFT_SCENE, REASON.EDGE_ON_OTHER_FACE
 
 
 right_edge_enters, left_edge_enters = on_both_sides(edge_enters)
+right_tips_enter, left_tips_enter = on_both_sides(face_lands)
 
 
 @kernel
@@ -138,7 +145,9 @@ def corner_lands(edge, time, q, p, mode, declared):
     if mode.edge != edge and (mode.face != OPEN or mode.corner != OPEN):
         return mode, OUTCOME.LEFT_SCENE, REASON.BOTH_SIDES
     corner = corner_on_flat(edge, q, p)
-    landed = with_corner(_on_edges(mode), edge, touching(0.0, corner, q, p), corner.depth)
+    landed = _on_edges(mode)._replace(
+        edge=edge, corner=touching(0.0, corner, q, p), corner_offset=corner.depth
+    )
     return decided(time, q, p, landed, False, False)
 
 
@@ -198,17 +207,22 @@ def of_contact(depth: Any, put: Any) -> OfContact:
 
 @inlined_kernel
 def _face_depth(q, p, mode):
-    return edge_on_face(mode.edge, q, p).depth
+    return support_on_face(mode.edge, q, p).depth
 
 
 @inlined_kernel
 def _face(mode, state):
-    return with_face(mode, mode.edge, state)
+    return mode._replace(face=state)
 
 
 @inlined_kernel
 def _side_depth(q, p, _mode):
     return edge_on_side(LEFT_EDGE, q, p).depth
+
+
+@inlined_kernel
+def _side(mode, state):
+    return mode._replace(side=state)
 
 
 @inlined_kernel
@@ -219,11 +233,11 @@ def _corner_depth(q, p, mode):
 @inlined_kernel
 def _corner(mode, state):
     """Keep the corner's offset while it is released."""
-    return with_corner(mode, mode.edge, state, 0.0 if state == OPEN else mode.corner_offset)
+    return mode._replace(corner=state, corner_offset=0.0 if state == OPEN else mode.corner_offset)
 
 
 FACE = of_contact(_face_depth, _face)
-SIDE = of_contact(_side_depth, with_side)
+SIDE = of_contact(_side_depth, _side)
 CORNER = of_contact(_corner_depth, _corner)
 
 
@@ -235,7 +249,7 @@ def _is_in_slot(time, q, p, mode):
     """Return whether B2 is in the slot, below the plane or at rest on it and about to fall."""
     corner_x, corner_y = bottom_corner(LEFT_EDGE, q.x, q.y, q.tilt, p)
     if corner_y == 0.0:
-        at = motion(time, q, p, mode)
+        at = motion_at(time, q, p, mode)
         corner_y = at.y + at.tilt * (corner_x - q.x)
     return corner_x >= -p.slot_half_width and corner_y < 0.0
 
@@ -243,7 +257,7 @@ def _is_in_slot(time, q, p, mode):
 @inlined_kernel
 def face_ends(time, q, p, mode, _declared):
     """Align, or fall freely: the edge has passed the corner on its own side."""
-    opened = with_face(mode, mode.edge, OPEN)
+    opened = mode._replace(face=OPEN)
     if mode.edge == RIGHT_EDGE and _is_in_slot(time, q, p, opened):
         return with_drop(mode), OUTCOME.ALIGNED, REASON.NONE
     return opened, CONTINUES, REASON.NONE
@@ -255,13 +269,13 @@ def side_ends(time, q, p, mode, _declared):
     bottom, _, _, top = edge_inside(LEFT_EDGE, corner_positions(q, p), p)
     if top < bottom:
         return mode, OUTCOME.LEFT_SCENE, REASON.EDGE_ON_OTHER_FACE
-    return decided(time, q, p, with_side(mode, OPEN), False, False)
+    return decided(time, q, p, mode._replace(side=OPEN), False, False)
 
 
 @kernel
 def corner_slides_in(time, q, p, mode, _declared):
     """Open the corner's contact at the slot; align if A1 is already past B1."""
-    opened = with_corner(mode, mode.edge, OPEN, 0.0)
+    opened = mode._replace(corner=OPEN, corner_offset=0.0)
     place = edge_place(RIGHT_EDGE, q.x, q.y, q.tilt, p)
     if mode.edge == LEFT_EDGE and not mode.dropped and place.along_face >= p.half_width:
         return with_drop(opened), OUTCOME.ALIGNED, REASON.NONE
@@ -276,7 +290,7 @@ def support_turns(time, q, p, mode, _declared):
     """Reverse or stick at zero slip of the support; slip where friction is at its limit."""
     if mode.support_slip != STICKING:
         return decided(time, q, p, mode, True, False)
-    at = motion(time, q, p, mode)
+    at = motion_at(time, q, p, mode)
     return with_friction(mode, -sign(at.support_friction), mode.side_slip), CONTINUES, REASON.NONE
 
 
@@ -285,5 +299,5 @@ def side_turns(time, q, p, mode, _declared):
     """``support_turns`` for the left side."""
     if mode.side_slip != STICKING:
         return decided(time, q, p, mode, False, True)
-    at = motion(time, q, p, mode)
+    at = motion_at(time, q, p, mode)
     return with_friction(mode, mode.support_slip, -sign(at.side_friction)), CONTINUES, REASON.NONE

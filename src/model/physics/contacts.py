@@ -1,6 +1,7 @@
 """The kinds of contact: depth, closing rate, slip, and force rows.
 
-1. edge on the bottom face: A1 from the start, A2 after the part has jumped over the slot;
+1. edge on the bottom face: A1 from the start, A2 after the part has jumped over the slot; of a
+   round part the tips of the crescent by which its face covers the base, on the same side;
 2. A2 on the left side face; in the insertion scene also A1 on the right one;
 3. a bottom corner on the flat base: B1 right of the slot, B2 left of it;
 4. a bottom corner on the slot's wall, in the insertion scene: B1 on the right, B2 on the left one.
@@ -13,9 +14,10 @@ point along the force (virtual work). In printed variants rows of forces differ 
 from math import sqrt
 from typing import NamedTuple
 
-from model.compile.jit import inlined_kernel
-from model.physics.geometry import bottom_corner, edge_place, face_coordinate
+from model.compile.kernels import inlined_kernel, operation
+from model.physics.geometry import bottom_corner, crescent, edge_place, face_coordinate
 from model.physics.notation import LEFT_EDGE
+from model.physics.trigonometry import sine_cosine, square_root
 
 Row = tuple[float, float, float]
 
@@ -50,7 +52,7 @@ def dot(row, x, y, moment):
     return row[0] * x + row[1] * y + row[2] * moment
 
 
-@inlined_kernel
+@operation
 def edge_on_face(side, q, p):
     """Return the contact of edge A1 (``side`` = +1) or A2 (-1) with the bottom face in state ``q``.
 
@@ -75,7 +77,51 @@ def edge_on_face(side, q, p):
     return Contact(depth, closing_rate, place.along_face, slip, drift, normal, tangent, slip_row)
 
 
+@operation
+def tips_on_face(side, q, p):
+    """Return the contact of a round part's face with the tips over A1 (``side`` = +1) or A2 (-1).
+
+    The load is the sum of the normal forces at both tips, along the common normal of the rims (T2);
+    slip and its drift as (T3) and (T4). Of the tips over A2 this is the mirror image.
+    """
+    x, y, x_rate, tilt_rate = side * q.x, q.y, side * q.x_rate, side * q.tilt_rate
+    sine, c = sine_cosine(q.tilt)
+    s = side * sine
+    offset, rim_x, reach, behind = crescent(x, y, s, c, p)
+    a, hole = p.half_width, p.slot_half_width
+    rise, along = rim_x * s, rim_x * c - offset
+    square = offset * offset
+    to_normal = 1.0 / square_root(square + (hole * hole) * (s * s))
+    to_tangent = 1.0 / square_root(square + rise * rise)
+    depth = behind * reach * to_normal
+    bent = (a * a) * (s * offset) * behind * (to_normal * to_normal) / reach
+
+    normal_x, normal_y = -rise - bent * (s * c), offset - bent * (s * s)
+    moment = (along + bent) * x
+    normal = (side * normal_x * to_normal, normal_y * to_normal, side * moment * to_normal)
+    closing_rate = -dot(normal, q.x_rate, q.y_rate, q.tilt_rate)
+
+    lever, moment = rim_x - x, (rim_x - x) * rise + y * offset
+    slip_row = (offset * to_tangent, side * rise * to_tangent, moment * to_tangent)
+    slip = dot(slip_row, q.x_rate, q.y_rate, q.tilt_rate)
+    u_x, u_y = x_rate + tilt_rate * y, q.y_rate + tilt_rate * lever
+    along_face = c * u_x + s * u_y
+    offset_rate, rim_rate = along_face - tilt_rate * rise, -along * along_face / reach
+    rise_rate = rim_rate * s + tilt_rate * rim_x * c
+    turning = tilt_rate * (offset * q.y_rate + rise * (rim_rate - x_rate))
+    stretching = (offset * offset_rate + rise * rise_rate) * to_tangent
+    drift = offset_rate * u_x + rise_rate * u_y + turning - side * slip * stretching
+    drift = side * drift * to_tangent
+    return Contact(depth, closing_rate, side * along, slip, drift, normal, slip_row, slip_row)
+
+
 @inlined_kernel
+def support_on_face(side, q, p):
+    """Return the contact of the bottom face with the base on one side: an edge, or tips."""
+    return tips_on_face(side, q, p) if p.is_round else edge_on_face(side, q, p)
+
+
+@operation
 def edge_on_side(edge, q, p):
     """Return the contact of A2 with the left side face, or of A1 with the right one.
 
@@ -128,7 +174,7 @@ def corner_on_flat(side, q, p):
     return Contact(-corner_y, closing_rate, -corner_x, slip, drift, normal, tangent, tangent)
 
 
-@inlined_kernel
+@operation
 def corner_on_wall(side, q, p):
     """Return the contact of corner B1 (``side`` = +1) or B2 (-1) with the slot's wall on that side.
 

@@ -5,7 +5,7 @@ Forces are in units of F1, moments in units of F1²/K_Y. Contact forces are in c
 
 from typing import NamedTuple
 
-from model.compile.jit import inlined_kernel
+from model.compile.kernels import inlined_kernel
 from model.physics.trigonometry import sine_cosine
 
 

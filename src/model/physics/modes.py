@@ -1,9 +1,8 @@
-"""Modes: the state of every contact, and the changes of one of them."""
+"""Modes: the state of every contact, and changes of several of its fields at once."""
 
 from typing import Any, NamedTuple
 
-from model.compile.jit import kernel
-from model.compile.source import defined
+from model.compile.kernels import inlined_kernel
 from model.physics.notation import RIGHT_EDGE
 
 # Normal state of a contact. RELEASED: the bodies overlap, but the base would have to pull: n = 0.
@@ -58,42 +57,35 @@ class Mode(NamedTuple):
     corners_inside: bool = False
 
 
+MODE_KINDS: tuple[Any, ...] = tuple(Mode.__annotations__.values())
+"""Types of the fields of a mode: records hold them all as floats."""
+
 START = Mode(RIGHT_EDGE, CLOSED, OPEN, 0.0, False, STICKING, OPEN, STICKING, False)
 """At rest with the bottom face touching A1."""
 
 
-def _changing(arguments: str, **changes: str) -> Any:
-    """Make the kernel that returns a mode with these fields changed to these expressions.
-
-    ``arguments`` are those after ``mode``, each with a comma before it.
-    """
-    fields = ", ".join(changes.get(name, f"mode.{name}") for name in Mode._fields)
-    code = f"def changed(mode{arguments}):\n    return Mode({fields})\n"
-    return kernel(defined("changed", code, {"Mode": Mode, "OPEN": OPEN, "CLOSED": CLOSED}))
+@inlined_kernel
+def with_support_opened(mode, in_slot):
+    """Return the mode with an open support, on the right side of the slot or on its edges."""
+    return mode._replace(face=OPEN, corner=OPEN, in_slot=in_slot)
 
 
-# (mode, edge, state): with the normal state of an edge on the bottom face, or of A1 on the right
-# side face.
-with_face = _changing(", edge, state", edge="edge", face="state")
-# (mode, edge, state, offset): with the normal state of the corner on the side of an edge.
-with_corner = _changing(
-    ", edge, state, offset", edge="edge", corner="state", corner_offset="offset"
-)
-# (mode, in_slot): with a support without contact, on the right side of the slot or on its edges.
-with_support = _changing(", in_slot", face="OPEN", corner="OPEN", in_slot="in_slot")
-# (mode, state): with the normal state of A2 on the left side face, of B2 on the left wall.
-with_side = _changing(", state", side="state")
-with_wall = _changing(", state", wall="state")
-# (mode, support_slip, side_slip): with other friction states.
-with_friction = _changing(
-    ", support_slip, side_slip", support_slip="support_slip", side_slip="side_slip"
-)
-# (mode): after the part has lost the edge past its corner B1; once all corners are in the slot.
-with_drop = _changing("", face="OPEN", dropped="True")
-with_corners_inside = _changing("", corners_inside="True")
-# (mode): with the slips decided by contacts that press: the same ones as before if possible.
-with_slip_place = _changing(
-    "",
-    slip_at_corner="mode.corner == CLOSED and (mode.slip_at_corner or mode.face != CLOSED)",
-    slip_at_wall="mode.wall == CLOSED and (mode.slip_at_wall or mode.side != CLOSED)",
-)
+@inlined_kernel
+def with_drop(mode):
+    """Return the mode after the part has lost the edge past its corner B1."""
+    return mode._replace(face=OPEN, dropped=True)
+
+
+@inlined_kernel
+def with_friction(mode, support_slip, side_slip):
+    """Return the mode with other friction states."""
+    return mode._replace(support_slip=support_slip, side_slip=side_slip)
+
+
+@inlined_kernel
+def with_slip_place(mode):
+    """Return the mode with slips decided by contacts that press: the same ones if possible."""
+    return mode._replace(
+        slip_at_corner=mode.corner == CLOSED and (mode.slip_at_corner or mode.face != CLOSED),
+        slip_at_wall=mode.wall == CLOSED and (mode.slip_at_wall or mode.side != CLOSED),
+    )

@@ -3,14 +3,14 @@
 from math import sqrt
 from typing import NamedTuple
 
-from model.compile.jit import inlined_kernel
+from model.compile.kernels import inlined_kernel, operation, separate_kernel
 from model.physics.contacts import (
     contact_load,
     corner_on_flat,
     corner_on_wall,
     dot,
-    edge_on_face,
     edge_on_side,
+    support_on_face,
 )
 from model.physics.forces import applied_forces
 from model.physics.modes import CLOSED, STICKING
@@ -68,7 +68,7 @@ class Motion(NamedTuple):
     side_mobility: float
 
 
-NOTHING = Support(0.0, 0.0, 0.0, 0.0, NO_ROW, 0.0, NO_ROW, 0.0)
+NO_CONTACT = Support(0.0, 0.0, 0.0, 0.0, NO_ROW, 0.0, NO_ROW, 0.0)
 
 
 @inlined_kernel
@@ -81,7 +81,7 @@ def _pressing(contact, load):
     )  # fmt: skip
 
 
-@inlined_kernel
+@operation
 def corner_share(load, load_of_edge):
     """Return the share in the friction of a corner that presses, perhaps beside an edge."""
     total = load_of_edge + load
@@ -113,7 +113,7 @@ def _with_corner(edge, corner, corner_load, slip_at_corner):
 @inlined_kernel
 def _beside(side, edge_state, corner_state, slip_at_corner, q, p):
     """Return the contacts of one side: its edge on the side face, its corner on the wall."""
-    found = NOTHING
+    found = NO_CONTACT
     if edge_state == CLOSED:
         edge = edge_on_side(side, q, p)
         found = _pressing(edge, contact_load(edge.depth, edge.closing_rate, q, p))
@@ -132,9 +132,9 @@ def support_contact(q, p, mode):
     """
     if mode.in_slot:
         return _beside(RIGHT_EDGE, mode.face, mode.corner, mode.slip_at_corner, q, p)
-    support = NOTHING
+    support = NO_CONTACT
     if mode.face == CLOSED:
-        face = edge_on_face(mode.edge, q, p)
+        face = support_on_face(mode.edge, q, p)
         support = _pressing(face, contact_load(face.depth, face.closing_rate, q, p))
     if mode.corner == CLOSED:
         corner = corner_on_flat(mode.edge, q, p)
@@ -171,7 +171,8 @@ def contact_rate(p, mode):
     width, height = p.half_width * p.half_width, p.half_height * p.half_height
     mobility = 0.0
     if is_supported(mode):
-        mobility += 1.0 + (height if mode.in_slot else width) / p.inertia
+        below = width + height if p.is_round else width
+        mobility += 1.0 + (height if mode.in_slot else below) / p.inertia
     if is_beside(mode):
         mobility += 1.0 + height / p.inertia
     return max(sqrt(p.contact_stiffness * mobility), p.contact_damping * mobility)
@@ -273,3 +274,9 @@ def under_friction(forces, p, mode):
 def motion(time, q, p, mode):
     """Return ``Motion`` in state ``q`` at ``time``: equations (3) in ``mode``, a sum of forces."""
     return under_friction(forces_without_friction(time, q, p, mode), p, mode)
+
+
+@separate_kernel
+def motion_at(time, q, p, mode):
+    """Return ``motion`` by a call: for code that runs once an event, so that it stays small."""
+    return motion(time, q, p, mode)

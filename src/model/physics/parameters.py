@@ -16,9 +16,7 @@ from typing import Any, Literal, TypeVar, dataclass_transform
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from model.compile.jit import inlined_kernel
-from model.compile.source import defined
-from model.compile.views import numbers
+from model.compile.kernels import inlined_kernel
 from model.physics.quantities import (
     ANGLE,
     DAMPING,
@@ -32,10 +30,12 @@ from model.physics.quantities import (
     TILT_STIFFNESS,
     Quantity,
 )
-from model.physics.tables import described, entries, field_of
+from model.physics.tables import described, entries, field_of, numbers
 from model.physics.variants import VARIANT_NAMES, Variants
 
 Bound = Literal["", "> 0", ">= 0"]
+Shape = Literal["round", "square"]
+"""Shape of the part and the hole: round, or the paper's plane one, of a square peg and a slot."""
 Table = TypeVar("Table")
 
 
@@ -228,9 +228,25 @@ class Constants(numbers("Constants", _CONSTANTS)):  # type: ignore[misc]
 
     Parameters keep their names, but ``slot_half_width`` replaces ``clearance``. Added are
     ``insertion_depth``, from the settings, and ``printed_*``, from the fields of ``Variants``.
+
+    Attributes:
+        is_round: True for a round part in a round hole, False for a plane one. Code is compiled for
+            one of them.
     """
 
     __slots__ = ()
+    is_round = False
+
+
+class RoundConstants(Constants):
+    """The ``Constants`` of a round part in a round hole.
+
+    ``half_width`` is the part's radius, ``slot_half_width`` that of the hole, and ``half_height``
+    the height of the mass centre over the bottom face.
+    """
+
+    __slots__ = ()
+    is_round = True
 
 
 class Given(numbers("Given", PARAMETER_NAMES)):  # type: ignore[misc]
@@ -239,42 +255,31 @@ class Given(numbers("Given", PARAMETER_NAMES)):  # type: ignore[misc]
     __slots__ = ()
 
 
-def _expression(name: str) -> str:
-    """Return the source of a constant: its value from ``given``, with the consistent variants."""
+_DERIVED = {name: field.derived for name, field in FIELDS.items() if field.derived}
+
+
+@inlined_kernel
+def _constant(name, given):
+    """Return a constant by its name, of numbers or of arrays; the variants are consistent."""
     if name == "slot_half_width":
-        return "given.half_width * (1.0 + given.clearance)"
+        return given.half_width * (1.0 + given.clearance)
     if name == "insertion_depth":
-        relaxed = "choose(isnan(given.rest_y), 0.0, given.rest_y - given.half_height)"
-        return f"clip(0.5 * (given.press_force - {relaxed}), 0.0, given.half_width)"
+        rest_y = _constant("rest_y", given)
+        depth = 0.5 * (given.press_force - (rest_y - given.half_height))
+        depth = np.where(depth > 0.0, depth, 0.0)
+        return np.where(depth < given.half_width, depth, given.half_width)
     if name not in FIELDS:
-        return "0.0"  # a printed variant
-    derived = FIELDS[name].derived
-    unset = f"choose(isnan(given.{name}), given.{derived}, given.{name})"
-    return unset if derived else f"given.{name}"
-
-
-def _resolver(**functions: Any) -> Any:
-    """Make the function ``Given`` -> ``Constants``.
-
-    ``functions`` are ``isnan``, ``choose`` and ``clip``, of numbers or of arrays.
-    """
-    lines = [f"    {name}={_expression(name)}," for name in _CONSTANTS]
-    code = "\n    ".join(["def resolved(given):", "return Constants(", *lines, ")"])
-    return defined("resolved", code, {"Constants": Constants, **functions})
+        return 0.0  # a printed variant
+    value = getattr(given, name)
+    if name in _DERIVED:
+        return np.where(np.isnan(value), getattr(given, _DERIVED[name]), value)
+    return value
 
 
 @inlined_kernel
-def _choose(condition, yes, no):
-    return yes if condition else no
-
-
-@inlined_kernel
-def _clip(value, low, high):
-    return min(max(value, low), high)
-
-
-resolved = inlined_kernel(_resolver(isnan=math.isnan, choose=_choose, clip=_clip))
-_resolved_arrays = _resolver(isnan=np.isnan, choose=np.where, clip=np.clip)
+def resolved(given):
+    """Return the ``Constants`` of ``Given``, of numbers or of arrays."""
+    return Constants(*(_constant(name, given) for name in _CONSTANTS))
 
 
 @dataclass(frozen=True)
@@ -360,7 +365,7 @@ class Batch:
         Half the depth to which f0 presses the part against its axial spring, at most the
         half-width.
         """
-        depths: NDArray[np.float64] = _resolved_arrays(Given(**self.values)).insertion_depth
+        depths: NDArray[np.float64] = resolved(Given(**self.values)).insertion_depth
         return depths
 
     def constants(
@@ -370,7 +375,7 @@ class Batch:
 
         ``insertion_depth`` replaces the default, ``insertion_depths``.
         """
-        columns = _resolved_arrays(Given(**self.values))._asdict()
+        columns = resolved(Given(**self.values))._asdict()
         if readings.preload == "printed":
             columns["rest_y"] = 0.0  # an axial spring relaxed at 0
         if insertion_depth is not None:

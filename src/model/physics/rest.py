@@ -1,4 +1,4 @@
-"""Rest of the part on the edge A1 under a press that rises slowly: equilibrium with dry friction.
+"""Rest of the part on A1, or on tips, under a press that rises slowly, with dry friction.
 
 Pressed slowly, the part passes through equilibria. In the coordinates s (of A1 along the bottom
 face), d (depth) and φ the mass centre is C = A1 - s e_t + (b - d) e_n, and with the force F and the
@@ -6,7 +6,8 @@ moment M_φ of the suspension equilibrium asks for
 
     n = k_a d = -F·e_n,   T = -F·e_t,   s n + (b - d) T + M_φ = 0.
 
-While |T| <= μ n the edge sticks and s stays; beyond, it slides until |T| = μ n. The load rises from
+A round part rests on its tips, with their place ξ along the face as s, and X for l. While
+|T| <= μ n the contact sticks and s stays; beyond, it slides until |T| = μ n. The load rises from
 0 to its full value in steps, which are halved where no equilibrium is found. A fold, where the
 equilibrium ceases to be stable, ends the path: the part topples or slides off. To first order, and
 as long as the edge sticks,
@@ -14,13 +15,14 @@ as long as the edge sticks,
     φ = f0 s / (k_φ + s² + k_x b² - f0 b)       (φ_st = 0, x_st = x(0), y_st = b).
 """
 
-from math import isfinite
+from math import isfinite, sqrt
 from typing import Literal, NamedTuple
 
-from model.compile.jit import kernel
+from model.compile.kernels import inlined_kernel, kernel, separate_kernel
+from model.physics.contacts import support_on_face
 from model.physics.forces import applied_forces, excitation
-from model.physics.geometry import edge_place
-from model.physics.notation import LEFT_EDGE, State
+from model.physics.geometry import edge_place, first_touch, place_on_rim
+from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
 from model.physics.trigonometry import sine_cosine
 
 Start = Literal["simultaneous", "pressed"]
@@ -69,23 +71,46 @@ def _suspension(x, y, tilt, share, first, p):
     return force.x, force.y - excitation(0.0, p) - (1.0 - share) * first, force.moment
 
 
-@kernel
-def _balance(s, tilt, share, first, p):
-    """``_Balance`` with A1 at ``s`` of the bottom face; the depth follows from the normal force."""
+@inlined_kernel
+def _placed(s, depth, tilt, p):
+    """(x, y) of the mass centre with the contact at ``s`` of the bottom face, at a depth."""
     sine, cosine = sine_cosine(tilt)
-    x0 = p.slot_half_width - s * cosine - p.half_height * sine
-    y0 = -s * sine + p.half_height * cosine
-    # The normal force is linear in the depth as far as the suspension is: one secant step.
-    fx, fy, _ = _suspension(x0, y0, tilt, share, first, p)
-    at_0 = fx * sine - fy * cosine
-    fx, fy, _ = _suspension(x0 + sine, y0 - cosine, tilt, share, first, p)
-    depth = at_0 / (p.contact_stiffness + at_0 - (fx * sine - fy * cosine))
-    x, y = x0 + depth * sine, y0 - depth * cosine
+    x, behind = p.slot_half_width, depth
+    if p.is_round:
+        x = place_on_rim(s, p)
+        offset, across = x * cosine - s, p.slot_half_width * sine
+        behind = depth * sqrt(offset * offset + across * across) / (x - cosine * s)
+    up = p.half_height - behind
+    return x - s * cosine - up * sine, -s * sine + up * cosine
+
+
+@kernel
+def _required(s, depth, tilt, share, first, p):
+    """(load, friction, moment, scale, x, y) with which the contact balances the suspension."""
+    x, y = _placed(s, depth, tilt, p)
     fx, fy, moment = _suspension(x, y, tilt, share, first, p)
-    load, friction = fx * sine - fy * cosine, -fx * cosine - fy * sine
-    turning, sliding = s * load, (p.half_height - depth) * friction
+    contact = support_on_face(RIGHT_EDGE, State(x, y, tilt, 0.0, 0.0, 0.0), p)
+    normal, tangent = contact.normal, contact.tangent
+    size = normal[0] * tangent[1] - normal[1] * tangent[0]
+    load = (tangent[0] * fy - tangent[1] * fx) / size
+    friction = (normal[1] * fx - normal[0] * fy) / size
+    turning, sliding = load * normal[2], friction * tangent[2]
     scale = 1.0 + abs(turning) + abs(sliding) + abs(moment)
     return _Balance(load, friction, turning + sliding + moment, scale, x, y)
+
+
+@kernel
+def _balance(s, tilt, share, first, p):
+    """``_Balance`` with the contact at ``s`` of the face; the depth follows from its load.
+
+    The load is linear in the depth at an edge, and nearly so at tips: two steps of Newton's method.
+    """
+    depth, h = 0.0, 1e-3
+    for _ in range(2):
+        load = _required(s, depth, tilt, share, first, p).load
+        slope = (_required(s, depth + h, tilt, share, first, p).load - load) / h
+        depth += (load - p.contact_stiffness * depth) / (p.contact_stiffness - slope)
+    return _required(s, depth, tilt, share, first, p)
 
 
 @kernel
@@ -146,16 +171,15 @@ def _loaded(s, tilt, share, first, p):
     return s, tilt, False
 
 
-@kernel
+@separate_kernel
 def rest_under_press(p):
     """Return the ``Rest`` of a part that is pressed slowly, from x(0) and the tilt φ_st on.
 
     Consistent variants only. The excitation does not act.
     """
-    sine, cosine = sine_cosine(p.rest_tilt)
-    s = (p.slot_half_width - p.misalignment - p.half_height * sine) / cosine
     tilt = p.rest_tilt
-    y = -s * sine + p.half_height * cosine  # without load
+    s = first_touch(tilt, p)
+    _, y = _placed(s, 0.0, tilt, p)  # without load
     _, first, _ = _suspension(p.misalignment, y, tilt, 1.0, 0.0, p)
     share, step, rests = 0.0, _LONGEST_STEP, abs(s) < p.half_width
     while rests and share < 1.0:

@@ -1,7 +1,8 @@
 """Dataclasses that are tables: every field carries an entry with its meaning."""
 
 import inspect
-from collections.abc import Mapping
+from collections import namedtuple
+from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, field, fields
 from typing import Any
 
@@ -20,3 +21,8 @@ def described(docstring: str | None, table: Mapping[str, Any]) -> str:
     """Return ``docstring`` with a section of attributes: the ``explanation`` of each entry."""
     attributes = "".join(f"    {name}: {each.explanation}.\n" for name, each in table.items())
     return f"{inspect.cleandoc(docstring or '')}\n\nAttributes:\n{attributes}"
+
+
+def numbers(name: str, fields: Sequence[str]) -> Any:
+    """Make a named tuple class of numbers, whose fields a table gives, as the base of a class."""
+    return namedtuple(name, fields)

@@ -1,13 +1,13 @@
-"""Sine and cosine as plain arithmetic, which a compiler can vectorise.
+"""Sine and cosine as plain arithmetic, which a compiler can vectorise, and the square root.
 
 A call of the system's mathematics library cannot be vectorised, and its last bits differ between
 systems. Reduction by π/2 in three parts after Cody and Waite, Software Manual for the Elementary
 Functions (1980), ch. 8; minimax polynomials on [-π/4, π/4] from fdlibm (Sun Microsystems, 1993).
 """
 
-from math import floor
+from math import floor, sqrt
 
-from model.compile.jit import inlined_kernel
+from model.compile.kernels import operation
 
 _TWO_OVER_PI = 6.36619772367581382433e-01
 # π/2 in parts of 33 bits: n times each of the first two is exact for |n| < 2^20.
@@ -16,7 +16,7 @@ _HALF_PI_2 = 6.07710050630396597660e-11
 _HALF_PI_3 = 2.02226624879595063154e-21
 
 
-@inlined_kernel
+@operation
 def sine_cosine(angle):
     """Return (sin, cos) of ``angle`` in radians, to 3e-16 below 1e6; beyond, the error grows."""
     n = floor(angle * _TWO_OVER_PI + 0.5)
@@ -39,3 +39,9 @@ def sine_cosine(angle):
         -sine if quadrant >= 2.0 else sine,
         -cosine if quadrant == 1.0 or quadrant == 2.0 else cosine,
     )
+
+
+@operation
+def square_root(value):
+    """Return the square root of ``value``."""
+    return sqrt(value)

@@ -2,19 +2,20 @@
 
 import logging
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor, wait
+from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
 from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
-from model.compile.jit import config
-from model.engines.batch.event_kernels import in_vector_kernels
-from model.engines.batch.scheduling import integrate_all, new_batch_memory
-from model.engines.queue import Queue, new_queue
+from model.compile.entries import COMPILES, compiled
+from model.engines.batch import scheduling
+from model.engines.batch.lane_events import lane_events_of
+from model.engines.batch.scheduling import new_batch_memory
+from model.engines.queue import Queue, new_queue, stop
 from model.engines.results import RunResult
-from model.engines.scalar.loop import TRACK_COLUMNS, integrate_each, new_scalar_memory
-from model.engines.scalar.tableaux import DOP853
+from model.engines.scalar import loop
+from model.engines.scalar.loop import TRACK_COLUMNS, new_scalar_memory
 from model.physics.variants import Variants
 from model.runs.settings import Settings
 
@@ -28,26 +29,32 @@ _PAUSE = 0.5  # s, between two messages
 
 NO_TRACK = np.empty((0, TRACK_COLUMNS))
 
+_integrate_each = compiled(loop.integrate_each)
+_begin_all, _integrate_all = compiled(scheduling.begin_all), compiled(scheduling.integrate_all)
+
 
 def scalar_engine(settings: Settings, track: Array = NO_TRACK, cores: int = 1) -> Run:
     """Return the reference engine, one run at a time; it fills ``track`` as ``integrate`` does."""
 
     def fill(rows: Array, tolerances: Array, queue: Queue, results: Array) -> None:
-        memory = new_scalar_memory(DOP853.method)
-        integrate_each(rows, tolerances, *settings.for_kernels, track, queue, results, memory)
+        memory = new_scalar_memory()
+        _integrate_each(rows, tolerances, *settings.for_kernels, track, queue, results, memory)
 
     return _on_cores(fill, cores)
 
 
 def batch_engine(settings: Settings, cores: int = 1, *, carries_error: bool = False) -> Run:
     """Return the batch engine: many runs at a time, each with its error if ``carries_error``."""
-    _, method, control = settings.for_kernels
+    scene, control = settings.for_kernels
     control = control._replace(carries_error=float(carries_error))
-    scene = in_vector_kernels(settings.scene)
+    lanes = lane_events_of(scene.events)
 
     def fill(rows: Array, tolerances: Array, queue: Queue, results: Array) -> None:
-        memory = new_batch_memory(scene, settings.may_settle)
-        integrate_all(rows, tolerances, scene, method, control, queue, results, memory)
+        memory = new_batch_memory(lanes, settings.may_settle)
+        arguments = rows, tolerances, scene, lanes, control, queue, results, memory
+        _begin_all(*arguments)
+        while (missing := _integrate_all(*arguments)) >= 0:
+            lanes.series.load(missing)
 
     return _on_cores(fill, cores)
 
@@ -57,7 +64,7 @@ def batch_engine_fits(settings: Settings) -> bool:
 
     It has the consistent variants only, and cannot run as Python without compilation.
     """
-    return settings.readings == Variants.consistent() and not config.DISABLE_JIT
+    return settings.readings == Variants.consistent() and COMPILES
 
 
 def error_carrying_engine(
@@ -88,31 +95,39 @@ def engine_for(settings: Settings, name: Engine | None = None, cores: int = 1) -
     if not batch_fits:
         raise ValueError(
             f"engine = {name!r}: needs the consistent readings and compilation (no "
-            "NUMBA_DISABLE_JIT); choose 'scalar', or None for the fastest one that fits"
+            "VIBRALIGN_NO_COMPILATION); choose 'scalar', or None for the fastest one that fits"
         )
     return batch_engine(settings, cores)
 
 
 def _on_cores(fill: Callable[[Array, Array, Queue, Array], None], cores: int) -> Run:
-    """Return the engine whose kernel ``fill`` takes rows from a queue and writes their results.
-
-    The kernels of all ``cores`` share the queue; they release the global interpreter lock.
-    """
+    """Return the engine whose kernel ``fill`` takes rows from a queue and writes their results."""
 
     def run(rows: Array, tolerances: Array) -> Array:
         results = np.empty((len(rows), len(RunResult._fields)))
         threads = max(1, min(cores, len(rows)))
-        queue = new_queue(len(rows), threads)
-        told = PROGRESS.isEnabledFor(logging.INFO)
-        if threads == 1 and not told:
-            fill(rows, tolerances, queue, results)
-            return results
-        with ThreadPoolExecutor(threads) as pool:
-            shares = [pool.submit(fill, rows, tolerances, queue, results) for _ in range(threads)]
-            while wait(shares, _PAUSE if told else None).not_done:
-                PROGRESS.info("%s of %s runs", f"{min(queue[0], len(rows)):,}", f"{len(rows):,}")
-        for share in shares:
-            share.result()
+        in_threads(lambda queue: fill(rows, tolerances, queue, results), len(rows), threads)
         return results
 
     return run
+
+
+def in_threads(work: Callable[[Queue], None], waiting: int = 1, threads: int = 1) -> None:
+    """Call ``work`` in each of ``threads`` with one queue of ``waiting`` runs, and wait for all.
+
+    Kernels release the global interpreter lock. Progress is told meanwhile; an interrupt, or an
+    error in one thread, stops them all after their present step.
+    """
+    queue, told = new_queue(waiting, threads), PROGRESS.isEnabledFor(logging.INFO)
+    with ThreadPoolExecutor(threads) as pool:
+        shares = [pool.submit(work, queue) for _ in range(threads)]
+        try:
+            while (now := wait(shares, _PAUSE if told else None, FIRST_EXCEPTION)).not_done:
+                for share in now.done:
+                    share.result()
+                PROGRESS.info("%s of %s runs", f"{min(queue[0], waiting):,}", f"{waiting:,}")
+        except BaseException:
+            stop(queue)
+            raise
+    for share in shares:
+        share.result()

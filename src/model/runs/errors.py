@@ -85,18 +85,17 @@ def estimate(run: Run, rows: Array, tolerance: float, carrying: Run | None = Non
     """
     sharper = tolerance if carrying is None else max(tolerance / FINER, FINEST)
     first = run if carrying is None else carrying
-    found = _by_carried_errors(first, rows, np.full(len(rows), sharper))
+    found, doubtful = _by_carried_errors(first, rows, np.full(len(rows), sharper))
     error = np.fmax(found.tau_error, found.insertion_error)
-    imprecise = (error > _CARRIED * PROMISED * tolerance) & ~found.sensitive
+    imprecise = (error > _CARRIED * PROMISED * tolerance) & ~doubtful
     if imprecise.any() and sharper > FINEST:
         reduced = sharper * PROMISED * tolerance / (_SAFETY * error[imprecise])
         reduced = np.maximum(reduced, FINEST)
-        finer = _by_carried_errors(first, rows[imprecise], reduced)
+        finer, doubtful[imprecise] = _by_carried_errors(first, rows[imprecise], reduced)
         # Lower bound from the first run, in case errors cancel in the second.
         least = found.tau_error[imprecise] * reduced / sharper / _SAFETY
         np.maximum(finer.tau_error, least, out=finer.tau_error)
         _replace_estimates(found, imprecise, finer)
-    doubtful = found.sensitive.copy()
     if doubtful.any():
         known = Estimate(**{name: column[doubtful] for name, column in found._asdict().items()})
         _replace_estimates(found, doubtful, _by_neighbours(run, rows[doubtful], known, tolerance))
@@ -117,21 +116,24 @@ def _replace_estimates(found: Estimate, which: NDArray[np.bool_], renewed: Estim
         kept[which] = new
 
 
-def _by_carried_errors(run: Run, rows: Array, tolerance: Array) -> Estimate:
-    """Run each row once; ``sensitive`` marks sets whose carried error is no estimate."""
+def _by_carried_errors(
+    run: Run, rows: Array, tolerance: Array
+) -> tuple[Estimate, NDArray[np.bool_]]:
+    """Run each row once; return also a mask of the sets whose carried error is no estimate."""
     p, results = Constants(*rows.T), run(rows, tolerance)
     found = RunResult(*results.T)
     is_small = found.largest_error <= SENSITIVE
     is_flat = np.abs(p.initial_tilt) < NEARLY_FLAT
     inserted = found.tau_align + found.tau_inserted
-    return Estimate(
+    made = Estimate(
         results=results,
         tau_error=_time_error(found.tau_align, _CARRIED * found.time_error, tolerance),
         insertion_error=_time_error(inserted, _CARRIED * found.end_error, tolerance),
-        sensitive=~is_small | is_flat | _is_too_narrow(p, tolerance),
+        sensitive=np.zeros(len(rows), bool),
         rhs_evaluations=found.rhs_evaluations.copy(),
         tolerance=tolerance,
     )
+    return made, ~is_small | is_flat | _is_too_narrow(p, tolerance)
 
 
 def _by_neighbours(run: Run, rows: Array, known: Estimate, asked: float) -> Estimate:

@@ -9,12 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model.engines.lifecycle import NOISE, Control
-from model.engines.scalar.tableaux import DOP853, Method
 from model.events.insertion import INSERTION
-from model.events.kernels import SceneKernels, in_kernels
+from model.events.kernels import SceneEvents, in_kernels
 from model.events.outcomes import Outcome
 from model.events.scenes import ALIGNMENT, Scene
-from model.physics.parameters import Batch, Parameters, check_name
+from model.physics.parameters import Batch, Parameters, Shape, check_name
 from model.physics.rest import Start
 from model.physics.variants import Variants
 
@@ -28,6 +27,9 @@ class Settings:
 
     Attributes:
         readings: variants of the paper's equations.
+        shape: "round" for a round part in a round hole, "square" for the paper's plane one beside a
+            slot. A round part needs the consistent readings. None for the shape that the device's
+            file states, and "square" where it states none.
         scene: the contacts that are modelled; with ``INSERTION`` a run continues after alignment
             until the part is inserted, for the horizon once more.
         start: "simultaneous": the press and the vibration set in together, on a part that touches
@@ -52,6 +54,7 @@ class Settings:
     """
 
     readings: Variants = field(default_factory=Variants)
+    shape: Shape | None = None
     scene: Scene = ALIGNMENT
     start: Start | None = None
     insertion_depth: float | None = None
@@ -72,6 +75,12 @@ class Settings:
                 raise TypeError(f"{name} = {getattr(self, name)!r}: must be a {called}")
         if self.start is not None:
             check_name(self.start, get_args(Start), "start")
+        if self.shape is not None:
+            check_name(self.shape, get_args(Shape), "shape")
+        if self.shape == "round" and self.readings != Variants.consistent():
+            raise ValueError(
+                "shape = 'round': needs the consistent readings; choose them or 'square'"
+            )
         if self.start == "pressed" and self.readings != Variants.consistent():
             raise ValueError(
                 "start = 'pressed': needs the consistent readings; choose them or 'simultaneous'"
@@ -87,10 +96,6 @@ class Settings:
             raise ValueError(
                 f"insertion_depth = {depth!r}: a run ends at alignment; use the insertion scene"
             )
-        if self.alignment_only and self.success is Outcome.INSERTED:
-            raise ValueError(
-                "alignment_only: ends a run before the part is inserted; use the alignment scene"
-            )
         if not (self.horizon > 0.0 and math.isfinite(self.horizon)):
             raise ValueError(f"horizon = {self.horizon!r}: must be a finite number > 0")
         if not 1e-14 <= self.tolerance <= 1e-2:
@@ -100,8 +105,11 @@ class Settings:
 
     @property
     def success(self) -> Outcome:
-        """Outcome of a run that ends well: INSERTED in the insertion scene, else ALIGNED."""
-        inserts = self.scene.name == INSERTION.name
+        """Outcome of a run that ends well: INSERTED in the insertion scene, else ALIGNED.
+
+        A run of any scene that is ``alignment_only`` ends ALIGNED.
+        """
+        inserts = self.scene.name == INSERTION.name and not self.alignment_only
         return Outcome.INSERTED if inserts else Outcome.ALIGNED
 
     @property
@@ -114,9 +122,9 @@ class Settings:
         return batch.constants(self.readings, self.insertion_depth)
 
     @property
-    def for_kernels(self) -> tuple[SceneKernels, Method, Control]:
-        """Scene, method and control in the form that kernels take."""
-        return in_kernels(self.scene), DOP853.method, self.control
+    def for_kernels(self) -> tuple[SceneEvents, Control]:
+        """Scene and control in the form that kernels take."""
+        return in_kernels(self.scene, self.shape == "round"), self.control
 
     @property
     def control(self) -> Control:
@@ -138,6 +146,8 @@ class Stated(Protocol):
     def parameters(self) -> Parameters: ...  # noqa: D102
     @property
     def start(self) -> Start | None: ...  # noqa: D102
+    @property
+    def shape(self) -> Shape | None: ...  # noqa: D102
 
 
 def settings_with(settings: Settings | None, changes: dict[str, Any]) -> Settings:

@@ -92,8 +92,8 @@ def simulate(
     """
     settings = settings_with(settings, changes)
     if isinstance(parameters, Stated):
-        settings = replace(settings, start=settings.start or parameters.start)
-        parameters = parameters.parameters
+        start, shape = settings.start or parameters.start, settings.shape or parameters.shape
+        settings, parameters = replace(settings, start=start, shape=shape), parameters.parameters
     rows = settings.rows(Batch.stack([parameters]))
     found = estimate(scalar_engine(settings), rows, settings.tolerance)
     results = {name: column[0] for name, column in found.columns().items()}

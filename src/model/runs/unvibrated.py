@@ -12,11 +12,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from model.compile.jit import kernel
+from model.compile.entries import compiled
+from model.compile.kernels import kernel
 from model.engines.record import constants_in
 from model.engines.results import RunResult
 from model.events.outcomes import UNVIBRATED_TEXT, Outcome, Unvibrated
-from model.events.scenes import ALIGNMENT
 from model.physics.parameters import Batch, Parameters
 from model.physics.rest import rest_under_press
 from model.physics.variants import Variants
@@ -49,9 +49,9 @@ def unvibrated(
     still = np.zeros(len(batch))
     controls = Batch({**batch.values, "frequency": still, "phase": still})
     rows, which = np.unique(controls.constants(settings.readings), axis=0, return_inverse=True)
-    scene = ALIGNMENT if settings.success is Outcome.INSERTED else settings.scene
-    changes: dict[str, Any] = {"insertion_depth": None, "alignment_only": True}
-    settings = replace(settings, scene=scene, start="simultaneous", **changes)
+    settings = replace(
+        settings, start="simultaneous", insertion_depth=None, alignment_only=True
+    )  # fmt: skip
     run = engine_for(settings, engine, cores)
     found = RunResult(*run(rows, np.full(len(rows), settings.tolerance)).T)
     rests = (found.outcome == Outcome.SETTLED) & (found.end_on_edge == 1.0) & (found.end_tilt > 0.0)
@@ -67,7 +67,8 @@ def unvibrated_results(
     """Return the results in ``UNVIBRATED_CONTROL`` of the sets of ``batch``, each of shape (n,)."""
     found, tilts = unvibrated(batch, settings, cores, engine), np.full(len(batch), np.nan)
     if settings.readings == Variants.consistent():  # physics/rest.py has no printed variants
-        _rest_of_each(batch.constants(settings.readings), tilts)
+        scene, _ = settings.for_kernels
+        _rests(scene.events, batch.constants(settings.readings), tilts)
     return {"unvibrated": found.outcome, "unvibrated_tilt": found.tilt, "slow_tilt": tilts}
 
 
@@ -86,9 +87,12 @@ def unvibrated_words(
 
 
 @kernel
-def _rest_of_each(rows, tilts):
+def _rest_of_each(events, rows, tilts):
     """Write the tilts of parts that rest under a slow press into ``tilts``."""
     for row in range(rows.shape[0]):
-        rest = rest_under_press(constants_in(rows[row]))
+        rest = rest_under_press(constants_in(events, rows[row]))
         if rest.found:
             tilts[row] = rest.tilt
+
+
+_rests = compiled(_rest_of_each)

@@ -34,7 +34,7 @@ from model.tracking.code import code_hash, code_of
 # the hashes of the configuration and the scripts' code at that time.
 INVOCATION, SUBMITTED = "VIBRALIGN_INVOCATION", "VIBRALIGN_SUBMITTED"
 _PACKAGE = Path(__file__).resolve().parents[1]
-_TRACKED = ("numpy", "scipy", "numba", "xarray", "netCDF4", "matplotlib", "snakemake")
+_TRACKED = ("numpy", "scipy", "llvmlite", "xarray", "netCDF4", "matplotlib", "snakemake")
 _RUN, _JOBS = Path(".snakemake/run.lock"), Path(".snakemake/jobs.lock")
 _locks: list[IO[str]] = []  # until this process ends
 # Mount options with which a file system has no locks, or locks that other machines do not see.

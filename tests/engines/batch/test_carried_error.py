@@ -5,11 +5,13 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
+from model.compile.entries import compiled
 from model.engines.batch.carried_error import apply_saltation, error_of_time
-from model.engines.batch.event_kernels import in_vector_kernels
+from model.engines.rates import rates_at
 from model.engines.record import AT, ERROR, MODE, SIZE
-from model.engines.scalar.step import rates_of
+from model.events import kernels
 from model.events.friction import hold_sticking
+from model.events.kernels import events_of
 from model.events.scenes import ALIGNMENT
 from model.events.table import number_of
 from model.physics.modes import CLOSED, RELEASED, START, STICKING
@@ -17,7 +19,8 @@ from model.physics.notation import State
 from model.physics.parameters import Batch, Constants
 from model.physics.variants import Variants
 
-KERNELS = in_vector_kernels(ALIGNMENT).events
+EVENTS = events_of(ALIGNMENT.events)
+level_at, rates_of = compiled(kernels.level), compiled(rates_at)
 NOW = 0.7
 ON_FACE = START._replace(face=CLOSED, support_slip=-1, side_slip=-1)
 
@@ -51,7 +54,7 @@ def test_an_error_passes_an_event_as_a_displaced_run_does(event, before, after, 
 
     def level(later, state):
         moved = flow(state, NOW, NOW + later, p, before)
-        return KERNELS.level(which, NOW + later, State(*moved), p, before)
+        return level_at(EVENTS, which, NOW + later, State(*moved), p, before)
 
     def time_of(state):
         return brentq(level, -1e-4, 1e-4, args=(state,), xtol=1e-15)
@@ -74,13 +77,13 @@ def test_an_error_passes_an_event_as_a_displaced_run_does(event, before, after, 
     runs[0, : len(p)], runs[0, AT.time], runs[0, ERROR : ERROR + 6] = p, NOW, error
     runs[0, MODE : MODE + len(after)] = after
     runs[0, AT.largest_error] = np.abs(error).max()  # as the step before the event noted it
-    bound = error_of_time(KERNELS, which, State(*start), before, runs, 0)
+    bound = error_of_time(EVENTS, which, State(*start), before, runs, 0)
     alone = [
         brentq(level, -1e-4, 1e-4, args=(start + each,), xtol=1e-15) for each in np.diag(error)
     ]
     assert bound == pytest.approx(np.abs(alone).sum(), rel=1e-3)
     assert bound >= abs(late) * (1.0 - 1e-3)
-    apply_saltation(KERNELS, which, State(*start), before, runs, 0)
+    apply_saltation(EVENTS, which, State(*start), before, runs, 0)
     found = runs[0, ERROR : ERROR + 6]
     np.testing.assert_allclose(found, expected, atol=2e-4 * np.abs(expected).max())
     # Accelerations jump where a slip changes, and are continuous where a load vanishes.

@@ -5,14 +5,18 @@ import pytest
 from numpy.polynomial.polynomial import polyval
 
 from model import Settings
+from model.compile.entries import compiled
 from model.compile.vector_code import WIDTH
-from model.engines.batch import workspace
-from model.engines.batch.event_kernels import TERMS, in_vector_kernels
-from model.engines.batch.event_search import (
+from model.engines.batch import event_search, lane_events, peaks, series_kernels, step, workspace
+from model.engines.batch.event_search import first_crossing
+from model.engines.batch.lane_events import (
     QUANTITIES,
-    crossing,
-    first_crossing,
+    TERMS,
+    applicable_in,
+    is_partial,
+    lane_events_of,
 )
+from model.engines.batch.lane_events import kind_of as kind_of_mode
 from model.engines.batch.mode_kinds import (
     ALIGNMENT_KINDS,
     BETWEEN_WALLS,
@@ -25,52 +29,53 @@ from model.engines.batch.mode_kinds import (
     STICKS,
     ModeKind,
 )
-from model.engines.batch.peaks import largest_until
-from model.engines.batch.series import (
-    GIVEN,
-    LANE_CONSTANTS,
-    EventQuantities,
-)
-from model.engines.batch.series_code import SeriesWriter
-from model.engines.batch.series_kernels import filler
+from model.engines.batch.series import GIVEN, LANE_CONSTANTS, EventQuantities
 from model.engines.batch.series_layout import (
     ERROR_ORDER,
     FRACTIONS,
+    LINES,
     NODES,
     ORDER,
     ORDERS,
-    ROWS,
     SINES,
     SUMMED_ORDERS,
     TILT,
 )
-from model.engines.batch.step import step_all
 from model.engines.batch.workspace import COEFFICIENTS, CONTACTS_AT, LAST_ORDER, new_workspace
 from model.events.event_functions import NEVER, CornerPositions, corner_positions
 from model.events.insertion import INSERTION
+from model.events.kernels import in_kernels
 from model.events.scenes import ALIGNMENT
 from model.events.table import number_of
-from model.physics.contacts import contact_load, corner_on_wall, edge_on_face, edge_on_side
+from model.physics.contacts import contact_load, corner_on_wall, edge_on_side, support_on_face
 from model.physics.modes import CLOSED, OPEN, RELEASED, START, STICKING, Mode
-from model.physics.motion import motion
+from model.physics.motion import motion_at
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
 from model.physics.parameters import Constants
 
 FACE, SUPPORT_SLIP, SIDE, SIDE_SLIP = (
-    workspace.MODE + Mode._fields.index(name)
+    workspace.MODE_LINE + Mode._fields.index(name)
     for name in ("face", "support_slip", "side", "side_slip")
 )
 KINDS = FREE, SLIDES, STICKS
 KIND_NAMES = {FREE: "free", SLIDES: "slides", STICKS: "sticks"}
+SHAPES = "square", "round"
 each_kind = pytest.mark.parametrize(
-    ("support", "side"),
-    [(support, side) for support in KINDS for side in KINDS],
-    ids=[f"{KIND_NAMES[support]}-{KIND_NAMES[side]}" for support in KINDS for side in KINDS],
+    ("shape", "support", "side"),
+    [(shape, support, side) for shape in SHAPES for support in KINDS for side in KINDS],
+    ids=lambda value: KIND_NAMES.get(value, value),
 )
 NORMAL = {FREE: OPEN, SLIDES: CLOSED, STICKS: CLOSED}
 
 
-EVENTS = in_vector_kernels(ALIGNMENT).events
+LANES = {shape: lane_events_of(in_kernels(ALIGNMENT, shape == "round").events) for shape in SHAPES}
+crossing, enter_series, fill_series, largest_force, largest_tilt, motion, step_all = map(
+    compiled,
+    (
+        event_search.crossing, lane_events.enter_series, series_kernels.fill_series,
+        peaks.largest_force, peaks.largest_tilt, motion_at, step.step_all,
+    ),
+)  # fmt: skip
 
 
 def kind_of(support: int, side: int) -> int:
@@ -78,7 +83,6 @@ def kind_of(support: int, side: int) -> int:
     return ALIGNMENT_KINDS.index(ModeKind(ON_RIGHT_EDGE, support, side))
 
 
-WATCHED = [k for k in range(EVENTS.count) if f"enter_{k}" in EVENTS.members]
 PLACES = [name for name in EventQuantities._fields if name in CornerPositions._fields]
 
 
@@ -92,10 +96,13 @@ class Step:
         longest: float,
         tolerance: float = 1e-300,
         displacement: float | np.ndarray = 0.0,
+        shape: str = "square",
     ) -> None:
         rng = np.random.default_rng(8 * support + side)
-        flat = new_workspace(EVENTS.rows)
-        self.w = flat.reshape(EVENTS.rows, WIDTH)
+        lanes = self.lanes = LANES[shape]
+        self.watched = [each.number for each in lanes.all]
+        flat = new_workspace(lanes.lines)
+        self.w = flat.reshape(lanes.lines, WIDTH)
         self.w[: GIVEN - 2] = rng.uniform(0.5, 1.5, (GIVEN - 2, WIDTH))
         named = dict(
             zip(np.array(Constants._fields)[LANE_CONSTANTS].tolist(), self.w, strict=False)
@@ -109,30 +116,37 @@ class Step:
         signs = self.w[GIVEN - 2 : GIVEN]
         self.w[SUPPORT_SLIP] = 0.0 if support == STICKS else signs[0]
         self.w[SIDE_SLIP] = 0.0 if side == STICKS else signs[1]
-        self.w[COEFFICIENTS : COEFFICIENTS + 6] = rng.uniform(-0.3, 0.3, (6, WIDTH)) + displacement
+        state = rng.uniform(-0.3, 0.3, (6, WIDTH))
+        if shape == "round":  # with tips: the part over the rim of the hole
+            named["slot_half_width"][:] = 1.1 * named["half_width"]
+            state[0] = named["half_width"] * (0.6 + state[0])
+        self.w[COEFFICIENTS : COEFFICIENTS + 6] = state + displacement
         self.w[workspace.ERROR : workspace.ERROR + 6] = displacement
         control = Settings().control._replace(carries_error=1.0)
         kind = kind_of(support, side)
-        self.applicable = EVENTS.applicable(kind, self.mode(0))
-        step_all(EVENTS, kind, self.applicable, control, flat)
-        coefficients = self.w[COEFFICIENTS : COEFFICIENTS + ORDERS * ROWS]
-        self.further = coefficients.reshape(ORDERS, ROWS, WIDTH)
+        self.applicable = int(applicable_in(lanes, kind, self.constants(0), self.mode(0)))
+        self.w[workspace.APPLICABLE] = self.applicable
+        for number in (kind, len(ALIGNMENT_KINDS) + kind):
+            lanes.series.load(number)
+        step_all(lanes, kind, self.applicable, control, lanes.series.addresses, flat)
+        coefficients = self.w[COEFFICIENTS : COEFFICIENTS + ORDERS * LINES]
+        self.further = coefficients.reshape(ORDERS, LINES, WIDTH)
         self.series = self.further[: ORDER + 1]
 
     def constants(self, lane: int) -> Constants:
         values = np.zeros(len(Constants._fields))
         values[LANE_CONSTANTS] = self.w[: GIVEN - 2, lane]
-        return Constants(*values.tolist())
+        return self.lanes.events.constants(*values.tolist())
 
     def mode(self, lane: int) -> Mode:
         face, slip, side, side_slip = (
-            int(self.w[row, lane]) for row in (FACE, SUPPORT_SLIP, SIDE, SIDE_SLIP)
+            int(self.w[line, lane]) for line in (FACE, SUPPORT_SLIP, SIDE, SIDE_SLIP)
         )
         return Mode(RIGHT_EDGE, face, OPEN, 0.0, False, slip, side, side_slip, False)
 
     def applies(self, which: int, lane: int) -> bool:
         """Whether an event applies in the mode of a lane."""
-        applies = self.w[EVENTS.samples + which, lane] != NEVER
+        applies = self.w[self.lanes.samples + which, lane] != NEVER
         return bool(applies and self.applicable & 1 << which)
 
     def at(self, time: float | np.ndarray, lane: int) -> np.ndarray:
@@ -157,12 +171,14 @@ def residual(step: Step, time: float) -> float:
 
 
 @each_kind
-def test_a_carried_error_is_the_derivative_of_the_series(support, side):
+def test_a_carried_error_is_the_derivative_of_the_series(shape, support, side):
     # The series are linearised at the displaced state: at the highest order that is a difference of
     # some hundred displacements.
     error = 1e-8 * np.random.default_rng(0).uniform(-1.0, 1.0, (6, WIDTH))
-    more, less = (Step(support, side, 0.1, displacement=each) for each in (error, -error))
-    errors = more.w[workspace.ERROR : workspace.ERROR + ORDERS * ROWS].reshape(ORDERS, ROWS, WIDTH)
+    more, less = (
+        Step(support, side, 0.1, displacement=each, shape=shape) for each in (error, -error)
+    )
+    errors = more.w[workspace.ERROR :][: ORDERS * LINES].reshape(ORDERS, LINES, WIDTH)
     found = errors[: ERROR_ORDER + 1, :6]
     expected = 0.5 * (more.series - less.series)[: ERROR_ORDER + 1, :6]
     size = np.abs(expected).max(axis=1, keepdims=True)
@@ -171,8 +187,10 @@ def test_a_carried_error_is_the_derivative_of_the_series(support, side):
 
 
 @each_kind
-def test_the_series_solve_the_equations_of_motion_to_their_order(support: int, side: int) -> None:
-    step = Step(support, side, 0.1)
+def test_the_series_solve_the_equations_of_motion_to_their_order(
+    shape: str, support: int, side: int
+) -> None:
+    step = Step(support, side, 0.1, shape=shape)
     assert residual(step, 1e-3) < 1e-10
     for series in (step.series, step.further):
         step.series = series
@@ -202,46 +220,53 @@ def mode_of(kind: ModeKind, signs: np.ndarray) -> Mode:
 
 
 def test_a_mode_has_the_number_of_its_kind():
-    kind_of_mode = in_vector_kernels(INSERTION).events.kind_of
+    inserting = lane_events_of(in_kernels(INSERTION).events)
     for number, kind in enumerate(INSERTION_KINDS):
-        assert kind_of_mode(mode_of(kind, np.array([-1, 1]))) == number
-        assert EVENTS.kind_of(mode_of(kind, np.array([1, 1]))) == (
+        assert kind_of_mode(inserting, mode_of(kind, np.array([-1, 1]))) == number
+        assert kind_of_mode(LANES["square"], mode_of(kind, np.array([1, 1]))) == (
             number if kind in ALIGNMENT_KINDS else -1
         )
     on_flat = START._replace(face=OPEN, corner=CLOSED, slip_at_corner=True)
-    assert kind_of_mode(on_flat) == EVENTS.kind_of(on_flat) == -1
+    assert kind_of_mode(inserting, on_flat) == kind_of_mode(LANES["square"], on_flat) == -1
 
 
 @pytest.mark.parametrize("kind", INSERTION_KINDS)
-def test_the_series_of_the_insertion_scene_solve_the_equations_of_motion(kind):
+@pytest.mark.parametrize("shape", SHAPES)
+def test_the_series_of_the_insertion_scene_solve_the_equations_of_motion(shape, kind):
     rng = np.random.default_rng(kind)
-    fill = filler("fill_series", SeriesWriter, INSERTION_KINDS, True)
-    flat = new_workspace(workspace.EVENT_ROWS)
+    flat = new_workspace(workspace.EVENT_LINES)
     w = flat.reshape(-1, WIDTH)
     w[: GIVEN - 2] = rng.uniform(0.5, 1.5, (GIVEN - 2, WIDTH))
-    row = {name: n for n, name in enumerate(np.array(Constants._fields)[LANE_CONSTANTS].tolist())}
-    w[row["contact_stiffness"]], w[row["friction"]] = 50.0, 0.3
+    line = {name: n for n, name in enumerate(np.array(Constants._fields)[LANE_CONSTANTS].tolist())}
+    if shape == "round":
+        w[line["slot_half_width"]] = 1.1 * w[line["half_width"]]
+    w[line["contact_stiffness"]], w[line["friction"]] = 50.0, 0.3
     signs = rng.choice([-1.0, 1.0], (2, WIDTH))
     w[GIVEN - 2 : GIVEN] = signs
     state = rng.uniform(-0.02, 0.02, (6, WIDTH))
     # B1 is a tenth behind the wall, and so is A1 behind the face, but for the small tilt; likewise
     # B2 and A2 where both press.
-    a, b = w[row["half_width"]], w[row["half_height"]]
-    state[0] = w[row["slot_half_width"]] + 0.1 - a * np.cos(state[2]) - b * np.sin(state[2])
+    a, b = w[line["half_width"]], w[line["half_height"]]
+    state[0] = w[line["slot_half_width"]] + 0.1 - a * np.cos(state[2]) - b * np.sin(state[2])
     if SIDE_CONTACTS[kind.side].edge and SIDE_CONTACTS[kind.side].corner:
-        state[0] = a * np.cos(state[2]) - b * np.sin(state[2]) - w[row["slot_half_width"]] - 0.1
+        state[0] = a * np.cos(state[2]) - b * np.sin(state[2]) - w[line["slot_half_width"]] - 0.1
+    if shape == "round" and kind.place == ON_LEFT_EDGE:  # tips over A2
+        state[0] *= -1.0
     w[COEFFICIENTS : COEFFICIENTS + 6] = state
-    angle = w[row["frequency"]] * 0.3 + w[row["phase"]]
+    angle = w[line["frequency"]] * 0.3 + w[line["phase"]]
     sines = np.sin(state[2]), np.cos(state[2]), np.sin(angle), np.cos(angle)
     w[COEFFICIENTS + SINES : COEFFICIENTS + SINES + 4] = sines
     w[LAST_ORDER] = ORDER
-    fill(INSERTION_KINDS.index(kind), flat, COEFFICIENTS, 0, LAST_ORDER)
-    series = w[COEFFICIENTS : COEFFICIENTS + (ORDER + 1) * ROWS].reshape(ORDER + 1, ROWS, WIDTH)
+    lanes = lane_events_of(in_kernels(INSERTION, shape == "round").events)
+    number = INSERTION_KINDS.index(kind)
+    lanes.series.load(number)
+    fill_series(lanes, number, lanes.series.addresses, flat)
+    series = w[COEFFICIENTS : COEFFICIENTS + (ORDER + 1) * LINES].reshape(ORDER + 1, LINES, WIDTH)
     time, orders = 1e-3, np.arange(1, ORDER + 1)
     for lane in range(WIDTH):
         values = np.zeros(len(Constants._fields))
         values[LANE_CONSTANTS] = w[: GIVEN - 2, lane]
-        p, mode = Constants(*values.tolist()), mode_of(kind, signs[:, lane])
+        p, mode = lanes.events.constants(*values.tolist()), mode_of(kind, signs[:, lane])
         found = time ** np.arange(ORDER + 1) @ series[:, :SINES, lane]
         q = State(*found[:6].tolist())
         at = motion(0.3 + time, q, p, mode)
@@ -251,11 +276,11 @@ def test_the_series_of_the_insertion_scene_solve_the_equations_of_motion(kind):
         edges = [edge_on_side(each, q, p) for each in (RIGHT_EDGE, LEFT_EDGE)]
         corners = [corner_on_wall(each, q, p) for each in (RIGHT_EDGE, LEFT_EDGE)]
         if not mode.in_slot:
-            edges[0] = edge_on_face(mode.edge, q, p)
+            edges[0] = support_on_face(mode.edge, q, p)
         loads = [contact_load(each.depth, each.closing_rate, q, p) for each in (*edges, *corners)]
         loads[2] *= mode.in_slot
-        rows = [workspace.ROW[f"{each}_load"] for each in ("face", "side", "corner", "wall")]
-        assert found[rows] == pytest.approx(loads, rel=1e-9)
+        lines = [workspace.LINE[f"{each}_load"] for each in ("face", "side", "corner", "wall")]
+        assert found[lines] == pytest.approx(loads, rel=1e-9)
         slips = [
             (corners[0] if mode.slip_at_corner else edges[0]).slip,
             (corners[1] if mode.slip_at_wall else edges[1]).slip,
@@ -264,24 +289,25 @@ def test_the_series_of_the_insertion_scene_solve_the_equations_of_motion(kind):
             slips[0] = at.support_friction
         if SIDE_CONTACTS[kind.side].sticks:
             slips[1] = at.side_friction
-        frictions = [workspace.ROW[f"{each}_friction"] for each in ("support", "side")]
+        frictions = [workspace.LINE[f"{each}_friction"] for each in ("support", "side")]
         assert found[frictions] == pytest.approx(slips, rel=1e-9)
 
 
 @each_kind
-def test_event_quantities_equal_the_scalar_functions(support: int, side: int) -> None:
-    step = Step(support, side, 0.1)
+def test_event_quantities_equal_the_scalar_functions(shape: str, support: int, side: int) -> None:
+    step = Step(support, side, 0.1, shape=shape)
     for lane in range(WIDTH):
         for time in (0.0, 1e-3):
             values = step.at(time, lane)
             q, p, mode = State(*values[:6].tolist()), step.constants(lane), step.mode(lane)
             places = [getattr(corner_positions(q, p), name) for name in PLACES]
-            assert values[6 : 6 + len(PLACES)] == pytest.approx(places, rel=1e-11, abs=1e-11)
+            at_places = values[[workspace.LINE[name] for name in PLACES]]
+            assert at_places == pytest.approx(places, rel=1e-11, abs=1e-11)
             at = motion(0.3 + time, q, p, mode)
-            face, beside = edge_on_face(RIGHT_EDGE, q, p), edge_on_side(LEFT_EDGE, q, p)
+            face, beside = support_on_face(RIGHT_EDGE, q, p), edge_on_side(LEFT_EDGE, q, p)
             sticks = mode.support_slip == STICKING and mode.face == CLOSED
             side_sticks = mode.side_slip == STICKING and mode.side == CLOSED
-            assert values[6 + len(PLACES) : -2] == pytest.approx(
+            assert values[CONTACTS_AT : CONTACTS_AT + 4] == pytest.approx(
                 [
                     contact_load(face.depth, face.closing_rate, q, p),
                     at.support_friction if sticks else face.slip,
@@ -293,49 +319,51 @@ def test_event_quantities_equal_the_scalar_functions(support: int, side: int) ->
             )
 
 
-SAMPLED_ROWS = [TILT, *range(6, SINES - 2)]  # rows that are sampled at every node
+SAMPLED_LINES = [TILT, *range(6, SINES - 3)]  # lines that are sampled at every node
 
 
 @each_kind
-def test_curvature_bounds_bound_the_distance_from_a_line(support: int, side: int) -> None:
-    step = Step(support, side, 0.05, tolerance=1e-6)
+def test_curvature_bounds_bound_the_distance_from_a_line(
+    shape: str, support: int, side: int
+) -> None:
+    step = Step(support, side, 0.05, tolerance=1e-6, shape=shape)
     for lane in range(WIDTH):
-        length = step.w[workspace.LENGTH, lane]
-        bends = step.w[workspace.VALUES + NODES * SINES :][SAMPLED_ROWS, lane]
+        length = step.w[workspace.STEP_LENGTH, lane]
+        bends = step.w[workspace.VALUES + NODES * SINES :][SAMPLED_LINES, lane]
         for start in (0.0, 0.25, 0.5, 0.75):
             left, middle, right = (
-                step.at((start + part) * length, lane)[SAMPLED_ROWS] for part in (0.0, 0.125, 0.25)
+                step.at((start + part) * length, lane)[SAMPLED_LINES] for part in (0.0, 0.125, 0.25)
             )
             off = np.abs(middle - 0.5 * (left + right))
             assert (off <= 0.25**2 / 8.0 * bends * (1.0 + 1e-9) + 1e-12).all()
 
 
 def sampled(
-    which: int, places: np.ndarray, series: np.ndarray, w: np.ndarray, lane: int, last: int = ORDER
+    step: Step, which: int, places: np.ndarray, series: np.ndarray, lane: int, last: int = ORDER
 ) -> np.ndarray:
     """A level from the series of its quantities, of either sign, to the last order."""
-    functions, count = [], QUANTITIES if which < EVENTS.combined else 1
+    lanes, flat = step.lanes, step.w.reshape(-1)
+    functions, count = [], QUANTITIES if which < lanes.events.combined else 1
     for sign in (1.0, -1.0):
-        EVENTS.enter_series(which, sign, series, w, lane)
+        enter_series(lanes, which, sign, series, flat, lane)
         series.reshape(QUANTITIES, TERMS)[:, last + 1 :] = 0.0
         functions.append(polyval(places, series.reshape(QUANTITIES, TERMS)[:count].T).max(axis=0))
     return np.min(functions, axis=0)
 
 
 @each_kind
-def test_series_of_levels_are_those_of_the_levels(support: int, side: int) -> None:
-    step, compared = Step(support, side, 0.4, tolerance=1e-6), 0
+def test_series_of_levels_are_those_of_the_levels(shape: str, support: int, side: int) -> None:
+    step, compared = Step(support, side, 0.4, tolerance=1e-6, shape=shape), 0
     series = np.zeros(QUANTITIES * TERMS)
-    assert (step.w[workspace.LENGTH] > 0.03).all()
+    assert (step.w[workspace.STEP_LENGTH] > 0.03).all()
     nodes, orders = (0.0, *FRACTIONS), (ORDER, *SUMMED_ORDERS)
-    rows = EVENTS.samples + EVENTS.count * np.arange(NODES)
+    lines = step.lanes.samples + step.lanes.events.count * np.arange(NODES)
     for lane in range(WIDTH):
-        for which in WATCHED:
-            expected = step.w[rows + which, lane]
+        for which in step.watched:
+            expected = step.w[lines + which, lane]
             if step.applies(which, lane):
-                flat = step.w.reshape(-1)
                 found = np.concatenate([
-                    sampled(which, np.array([node]), series, flat, lane, last)
+                    sampled(step, which, np.array([node]), series, lane, last)
                     for node, last in zip(nodes, orders, strict=True)
                 ])  # fmt: skip
                 assert found == pytest.approx(expected, rel=1e-10, abs=1e-11)
@@ -344,18 +372,21 @@ def test_series_of_levels_are_those_of_the_levels(support: int, side: int) -> No
 
 
 @each_kind
-def test_peaks_are_those_of_the_step_or_its_part(support: int, side: int) -> None:
-    step = Step(support, side, 0.4, tolerance=1e-6)
-    assert (step.w[workspace.LENGTH] > 0.03).all()
+def test_peaks_are_those_of_the_step_or_its_part(shape: str, support: int, side: int) -> None:
+    step = Step(support, side, 0.4, tolerance=1e-6, shape=shape)
+    assert (step.w[workspace.STEP_LENGTH] > 0.03).all()
     for lane in range(WIDTH):
-        length = step.w[workspace.LENGTH, lane]
+        length = step.w[workspace.STEP_LENGTH, lane]
         for until in (1.0, 0.6, 0.1):
             course = step.at(np.linspace(0, until, 3001) * length, lane)
-            presses = [step.w[row, lane] == CLOSED for row in (FACE, SIDE)]
-            forces = course[:, [CONTACTS_AT, CONTACTS_AT + 2]] * presses
-            tilt, force = largest_until(EVENTS, 0.0, 0.0, until, step.w.reshape(-1), lane)
+            lines = [CONTACTS_AT, CONTACTS_AT + 2]
+            forces = course[:, lines]
+            flat = step.w.reshape(-1)
+            tilt = largest_tilt(0.0, until, flat, lane)
             assert tilt == pytest.approx(np.abs(course[:, TILT]).max(), rel=1e-6)
-            assert force == pytest.approx(max(forces.max(), 0.0), rel=1e-6)
+            for line, force in zip(lines, forces.T, strict=True):
+                found = largest_force(line, 0.0, until, flat, lane)
+                assert found == pytest.approx(max(force.max(), 0.0), rel=1e-6)
 
 
 def test_the_first_fall_is_found_however_short_what_follows() -> None:
@@ -367,18 +398,18 @@ def test_the_first_fall_is_found_however_short_what_follows() -> None:
             step = Step(support, side, 0.4, tolerance=1e-2)
             flat = step.w.reshape(-1)
             for lane in range(WIDTH):
-                for which in WATCHED:
-                    if not step.applies(which, lane) or EVENTS.is_partial(which):
+                for which in step.watched:
+                    if not step.applies(which, lane) or is_partial(step.lanes, which):
                         continue
-                    values = sampled(which, places, series, flat, lane)
+                    values = sampled(step, which, places, series, lane)
                     if values[0] <= 1e-6:
                         continue
                     below = np.flatnonzero(values < 0.0)
-                    quarters = int(step.w[EVENTS.subintervals + which, lane])
+                    quarters = int(step.w[step.lanes.subintervals + which, lane])
                     if below.size == 0:
                         continue
                     assert quarters & 1 << min(int(4.0 * places[below[0] - 1]), 3)
-                    theta = crossing(EVENTS, which, 1.0, series, flat, lane)
+                    theta = crossing(step.lanes, which, 1.0, series, flat, lane)
                     fell += 1
                     assert places[below[0] - 1] <= theta <= places[below[0]]
                     nodes = values[:: (places.size - 1) // 4]
@@ -394,5 +425,7 @@ def test_a_fall_soon_after_a_level_has_left_zero_is_found() -> None:
     series[:, 0] = -1.0
     series[0, :3] = 0.0, 0.05, -1.0
     series[1, :2] = -0.06, 1.0
-    theta = first_crossing(EVENTS, number_of("right_edge_enters"), 1, 1.0, series.reshape(-1))
+    theta = first_crossing(
+        LANES["square"], number_of("right_edge_enters"), 1, 1.0, series.reshape(-1)
+    )
     assert theta == pytest.approx(0.05)

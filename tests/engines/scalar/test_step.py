@@ -25,7 +25,7 @@ def run(p, y, until, count, mode=SLIDING):
 
 def error(steps, y, h, tolerance, mode=SLIDING):
     steps.step(0.0, h, y, mode)
-    return error_estimate(h, y, steps.end, steps.method, steps.k, tolerance)
+    return error_estimate(h, y, steps.end, steps.k, tolerance)
 
 
 @pytest.fixture(scope="module")

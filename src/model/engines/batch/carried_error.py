@@ -11,21 +11,21 @@ Input: the workspace after ``step_all``, and the run's record. Output: the error
 
 from math import inf
 
-from model.compile.jit import inlined_kernel, kernel
+from model.compile.kernels import inlined_kernel, kernel
 from model.compile.vector_code import WIDTH
 from model.engines.batch import workspace
-from model.engines.batch.series_layout import ERROR_ORDER, ORDER, REMAINDER, ROWS
+from model.engines.batch.series_layout import ERROR_ORDER, LINES, ORDER, REMAINDER
 from model.engines.batch.workspace import COEFFICIENTS
+from model.engines.rates import STILL, moved, rates_at
 from model.engines.record import AT, ERROR, constants_of, mode_of, state_in, store_state_in
-from model.engines.scalar.step import moved, rates_of
 from model.events.friction import hold_sticking
-from model.events.table import LENGTH
+from model.events.kernels import kind_of, level
+from model.events.table import OF_LENGTH
 from model.physics.modes import STICKING
 from model.physics.motion import is_beside, is_supported
 from model.physics.notation import STATE_SIZE, State
 
 _DISPLACEMENT = 1e-7  # of the state, for a derivative
-_ORIGIN = State(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @inlined_kernel
@@ -48,9 +48,9 @@ def carry_error(length, w, lane, runs, i):
     for n in range(STATE_SIZE):
         error = 0.0
         for order in range(ERROR_ORDER, -1, -1):
-            row = workspace.ERROR + order * ROWS + n
-            error = error * length + w[row * WIDTH + lane]
-        omitted = w[(COEFFICIENTS + (ORDER + REMAINDER) * ROWS + n) * WIDTH + lane]
+            line = workspace.ERROR + order * LINES + n
+            error = error * length + w[line * WIDTH + lane]
+        omitted = w[(COEFFICIENTS + (ORDER + REMAINDER) * LINES + n) * WIDTH + lane]
         runs[i, ERROR + n] = error + power * omitted
     size = _size(state_in(runs, ERROR, i))
     runs[i, AT.largest_error] = max(runs[i, AT.largest_error], size)
@@ -63,7 +63,7 @@ def _derivative(events, which, time, q, p, mode, direction, later):
     The level is zero at ``q``: one value beside it is enough.
     """
     ahead, moment = moved(q, _DISPLACEMENT, direction), later * _DISPLACEMENT
-    return events.level(which, time + moment, ahead, p, mode) / _DISPLACEMENT
+    return level(events, which, time + moment, ahead, p, mode) / _DISPLACEMENT
 
 
 @inlined_kernel
@@ -84,7 +84,7 @@ def _is_continuous(kind, before, after):
     They are where a load passes zero, and where friction reaches its limit.
     """
     return (
-        kind != LENGTH
+        kind != OF_LENGTH
         and _keeps_friction(
             is_supported(before), before.support_slip, is_supported(after), after.support_slip
         )
@@ -98,20 +98,20 @@ def apply_saltation(events, which, q, before, runs, i):
 
     ``q`` and ``before`` are its state at the event and its mode before it.
     """
-    time, p, after = runs[i, AT.time], constants_of(runs, i), mode_of(runs, i)
+    time, p, after = runs[i, AT.time], constants_of(events, runs, i), mode_of(runs, i)
     error = state_in(runs, ERROR, i)
     size = _size(error)
-    if not 0.0 < size < inf or _is_continuous(events.kind(which), before, after):
+    if not 0.0 < size < inf or _is_continuous(kind_of(events, which), before, after):
         return
-    rates, rates_after = rates_of(time, q, p, before), rates_of(time, q, p, after)
-    unit = moved(_ORIGIN, 1.0 / size, error)
+    rates, rates_after = rates_at(time, q, p, before), rates_at(time, q, p, after)
+    unit = moved(STILL, 1.0 / size, error)
     across = size * _derivative(events, which, time, q, p, before, unit, 0.0)
     late = -across / _derivative(events, which, time, q, p, before, rates, 1.0)
     at_event = moved(error, late, rates)
     factor = _DISPLACEMENT / max(_size(at_event), 1e-300)
     held = hold_sticking(moved(q, factor, at_event), p, after)
     jump = moved(held, -1.0, hold_sticking(q, p, after))
-    error = moved(moved(_ORIGIN, 1.0 / factor, jump), -late, rates_after)
+    error = moved(moved(STILL, 1.0 / factor, jump), -late, rates_after)
     store_state_in(error, runs, ERROR, i)
     runs[i, AT.largest_error] = max(runs[i, AT.largest_error], _size(error))
 
@@ -123,13 +123,10 @@ def error_of_time(events, which, q, before, runs, i):
     Contributions of the components of the state are summed by size: their errors are estimates, and
     need not cancel.
     """
-    time, p, error = runs[i, AT.time], constants_of(runs, i), state_in(runs, ERROR, i)
+    time, p, error = runs[i, AT.time], constants_of(events, runs, i), state_in(runs, ERROR, i)
     across = 0.0
     for n in range(STATE_SIZE):
-        unit = State(
-            1.0 * (n == 0), 1.0 * (n == 1), 1.0 * (n == 2),
-            1.0 * (n == 3), 1.0 * (n == 4), 1.0 * (n == 5),
-        )  # fmt: skip
+        unit = State(*(float(n == each) for each in range(STATE_SIZE)))
         across += abs(error[n] * _derivative(events, which, time, q, p, before, unit, 0.0))
-    rates = rates_of(time, q, p, before)
+    rates = rates_at(time, q, p, before)
     return across / abs(_derivative(events, which, time, q, p, before, rates, 1.0))

@@ -12,28 +12,34 @@ from typing import NamedTuple
 
 import numpy as np
 
-from model.compile.jit import inlined_kernel, kernel
+from model.compile.kernels import inlined_kernel, kernel
 from model.compile.vector_code import WIDTH
-from model.engines.batch.event_kernels import TERMS
-from model.engines.batch.series_layout import FRACTIONS, NODES, ORDER, ROWS
+from model.engines.batch.lane_events import (
+    QUANTITIES,
+    TERMS,
+    enter_series,
+    has_absolute,
+    is_partial,
+)
+from model.engines.batch.series_layout import FRACTIONS, LINES, NODES, ORDER
 from model.engines.batch.step import TOO_FLAT_TO_TELL, one_stays_above, stays_above
 from model.engines.batch.workspace import (
     CANDIDATES,
     COEFFICIENTS,
-    LENGTH,
+    STEP_LENGTH,
     constants_of_lane,
     lowest_bit,
+    mode_of_lane,
 )
 from model.engines.record import AT, STATE, constants_of, mode_of
 from model.engines.scalar import location
 from model.engines.scalar.location import NO_EVENT, sample_step
 from model.engines.scalar.location import NODES as SAMPLED
-from model.events.event_functions import NOTHING, ON_AN_EVENT, largest
+from model.events.event_functions import ABSENT, ON_AN_EVENT, largest
 from model.events.friction import REST_SLIP
-from model.events.kernels import MOST_SAMPLES
+from model.events.kernels import MOST_SAMPLES, is_conditional, quantities
 from model.physics.notation import STATE_SIZE, State
 
-QUANTITIES = 4  # of a level
 _SUBINTERVAL = FRACTIONS[0]
 _FINEST = 2.0**-24  # smallest part of a step, which is not divided
 _MOST_PARTS = 64  # parts of a subinterval after which sixteenths of the step are not divided
@@ -63,27 +69,24 @@ def new_search_memory() -> SearchMemory:
 
 
 @inlined_kernel
-def row_at(row, theta, w, lane):
+def line_at(line, theta, w, lane):
     """A state variable or event quantity at the fraction ``theta`` of the step.
 
     Even and odd orders are summed separately, which doubles instruction-level parallelism.
     """
-    time = theta * w[LENGTH * WIDTH + lane]
+    time = theta * w[STEP_LENGTH * WIDTH + lane]
     square, odd = time * time, 0.0
-    even = w[(COEFFICIENTS + ORDER * ROWS + row) * WIDTH + lane]
+    even = w[(COEFFICIENTS + ORDER * LINES + line) * WIDTH + lane]
     for order in range(ORDER - 2, -2, -2):
-        even = even * square + w[(COEFFICIENTS + order * ROWS + row) * WIDTH + lane]
-        odd = odd * square + w[(COEFFICIENTS + (order + 1) * ROWS + row) * WIDTH + lane]
+        even = even * square + w[(COEFFICIENTS + order * LINES + line) * WIDTH + lane]
+        odd = odd * square + w[(COEFFICIENTS + (order + 1) * LINES + line) * WIDTH + lane]
     return even + time * odd
 
 
 @kernel
 def state_at(theta, w, lane):
     """The ``State`` at the fraction ``theta`` of the step."""
-    return State(
-        row_at(0, theta, w, lane), row_at(1, theta, w, lane), row_at(2, theta, w, lane),
-        row_at(3, theta, w, lane), row_at(4, theta, w, lane), row_at(5, theta, w, lane),
-    )  # fmt: skip
+    return State(*(line_at(n, theta, w, lane) for n in range(STATE_SIZE)))
 
 
 @inlined_kernel
@@ -113,13 +116,10 @@ def _slope(each, theta, series):
 
 @inlined_kernel
 def values_at(count, theta, series):
-    """Quantities at the fraction ``theta``: all four, or the first and NOTHING."""
+    """Quantities at the fraction ``theta``: all four, or the first and ABSENT."""
     if count == 1:
-        return _value(0, theta, series), NOTHING, NOTHING, NOTHING
-    return (
-        _value(0, theta, series), _value(1, theta, series),
-        _value(2, theta, series), _value(3, theta, series),
-    )  # fmt: skip
+        return _value(0, theta, series), ABSENT, ABSENT, ABSENT
+    return tuple(_value(each, theta, series) for each in range(QUANTITIES))
 
 
 @kernel
@@ -194,10 +194,7 @@ def _bounds(count, left, right, series):
     """``_bound`` of all four quantities, or of the first and 0."""
     if count == 1:
         return _bound(0, left, right, series), 0.0, 0.0, 0.0
-    return (
-        _bound(0, left, right, series), _bound(1, left, right, series),
-        _bound(2, left, right, series), _bound(3, left, right, series),
-    )  # fmt: skip
+    return tuple(_bound(each, left, right, series) for each in range(QUANTITIES))
 
 
 @inlined_kernel
@@ -220,7 +217,7 @@ def _all_fall_from_zero(before, after, on_event):
 
 
 @inlined_kernel
-def _crossing_between(is_partial, count, left, end, series):
+def _crossing_between(partial, count, left, end, series):
     """First down-crossing of the largest of ``series`` between two places, or NO_EVENT.
 
     The interval is divided until in each part the level stays above zero by its curvature bound, or
@@ -233,7 +230,7 @@ def _crossing_between(is_partial, count, left, end, series):
         most = _bounds(count, left, right, series)
         if not one_stays_above(before, after, most):
             f, g = largest(before)[0], largest(after)[0]
-            on_event = ON_AN_EVENT if left == 0.0 and not is_partial else REST_SLIP
+            on_event = ON_AN_EVENT if left == 0.0 and not partial else REST_SLIP
             begins = -on_event <= f <= REST_SLIP and g > -REST_SLIP
             # Bounds the work on a level that is zero to rounding all the time.
             finest = _FINEST if parts < _MOST_PARTS else _LEAVING
@@ -260,46 +257,45 @@ def _crossing_between(is_partial, count, left, end, series):
 
 
 @inlined_kernel
-def _crossing_in(is_partial, count, subintervals, until, series):
+def _crossing_in(partial, count, subintervals, until, series):
     for each in range(NODES - 1):
         left, end = each * _SUBINTERVAL, min((each + 1) * _SUBINTERVAL, until)
         if subintervals & (1 << each) != 0 and left < end:
-            theta = _crossing_between(is_partial, count, left, end, series)
+            theta = _crossing_between(partial, count, left, end, series)
             if theta != NO_EVENT:
                 return theta
     return NO_EVENT
 
 
 @kernel
-def first_crossing(events, which, subintervals, until, series):
+def first_crossing(lanes, which, subintervals, until, series):
     """First down-crossing of a level in the ``subintervals`` of a mask, or NO_EVENT."""
-    if which < events.combined:
-        is_partial = events.is_partial(which)
-        return _crossing_in(is_partial, QUANTITIES, subintervals, until, series)
+    if which < lanes.events.combined:
+        return _crossing_in(is_partial(lanes, which), QUANTITIES, subintervals, until, series)
     return _crossing_in(False, 1, subintervals, until, series)
 
 
 @kernel
-def _crossing_of(events, which, sign, until, series, w, lane):
+def _crossing_of(lanes, which, sign, until, series, w, lane):
     """``first_crossing`` of level ``which``, if the argument of its absolute value has this sign.
 
     A level that starts at zero is divided by the fraction of the step; its other zeros remain.
     """
-    subintervals = int(w[(events.subintervals + which) * WIDTH + lane])
-    events.enter_series(which, sign, series, w, lane)
-    several = which < events.combined
+    subintervals = int(w[(lanes.subintervals + which) * WIDTH + lane])
+    enter_series(lanes, which, sign, series, w, lane)
+    several = which < lanes.events.combined
     if several or series[0] != 0.0:
-        return first_crossing(events, which, subintervals, until, series)
+        return first_crossing(lanes, which, subintervals, until, series)
     series[TERMS] = 0.0
-    return first_crossing(events, which, subintervals, until, series[1:])
+    return first_crossing(lanes, which, subintervals, until, series[1:])
 
 
 @inlined_kernel
-def crossing(events, which, until, series, w, lane):
+def crossing(lanes, which, until, series, w, lane):
     """The first down-crossing of level ``which`` before ``until``, or NO_EVENT."""
-    first = _crossing_of(events, which, 1.0, until, series, w, lane)
-    if events.has_absolute(which, constants_of_lane(w, lane), events.mode_of_lane(w, lane)):
-        other = _crossing_of(events, which, -1.0, min(until, first), series, w, lane)
+    first = _crossing_of(lanes, which, 1.0, until, series, w, lane)
+    if has_absolute(lanes, which, w, lane):
+        other = _crossing_of(lanes, which, -1.0, min(until, first), series, w, lane)
         first = min(first, other)
     return first
 
@@ -307,13 +303,13 @@ def crossing(events, which, until, series, w, lane):
 @kernel
 def _search_dense_output(events, w, lane, runs, search, i):
     """(which, θ) of the first event, by the reference engine's location on the dense output."""
-    time, h = runs[i, AT.time], w[LENGTH * WIDTH + lane]
-    p, mode = constants_of(runs, i), mode_of(runs, i)
+    time, h = runs[i, AT.time], w[STEP_LENGTH * WIDTH + lane]
+    p, mode = constants_of(events, runs, i), mode_of(runs, i)
     for n in range(STATE_SIZE):
         search.y[n] = runs[i, STATE + n]
         power = 1.0
         for order in range(1, ORDER + 1):
-            coefficient = w[(COEFFICIENTS + order * ROWS + n) * WIDTH + lane]
+            coefficient = w[(COEFFICIENTS + order * LINES + n) * WIDTH + lane]
             search.dense[n, order - 1] = power * coefficient
             power *= h
     _, y, dense, nodes, samples = search
@@ -322,49 +318,49 @@ def _search_dense_output(events, w, lane, runs, search, i):
 
 
 @inlined_kernel
-def _is_flat(events, which, until, series, w, lane):
+def _is_flat(lanes, which, until, series, w, lane):
     """Return whether the level of a corner contact is so low in the step that the part may be flat.
 
     Samples are taken at the nodes and at ``until``.
     """
     until = min(until, 1.0)
     lowest = largest(values_at(QUANTITIES, until, series))[0]
-    lowest = min(lowest, w[(events.samples + which) * WIDTH + lane])
+    lowest = min(lowest, w[(lanes.samples + which) * WIDTH + lane])
     for node, fraction in enumerate(FRACTIONS):
         if fraction < until:
-            sample = events.samples + (node + 1) * events.count + which
+            sample = lanes.samples + (node + 1) * lanes.events.count + which
             lowest = min(lowest, w[sample * WIDTH + lane])
     return lowest < TOO_FLAT_TO_TELL
 
 
 @kernel
-def _is_met(events, which, theta, w, lane):
+def _is_met(lanes, which, theta, w, lane):
     """Return whether the quantity that lanes lack, the rise of a corner, is negative too."""
-    p, mode = constants_of_lane(w, lane), events.mode_of_lane(w, lane)
-    _, _, _, other = events.quantities(which, 0.0, state_at(theta, w, lane), p, mode)
+    p, mode = constants_of_lane(lanes, w, lane), mode_of_lane(lanes, w, lane)
+    _, _, _, other = quantities(lanes.events, which, 0.0, state_at(theta, w, lane), p, mode)
     return other < 0.0
 
 
 @kernel
-def first_event(events, w, lane, runs, search, i):
+def first_event(lanes, w, lane, runs, search, i):
     """Return (which, θ) of the first event in the step; θ = ``NO_EVENT`` if there is none."""
     first, which_first, is_undecided, series = NO_EVENT, -1, False, search.series
     candidates = int(w[CANDIDATES * WIDTH + lane])
     while candidates != 0:
         which = lowest_bit(candidates)
         candidates &= candidates - 1
-        theta = crossing(events, which, first, series, w, lane)
-        if events.is_partial(which) and (
-            theta == NO_EVENT or not _is_met(events, which, theta, w, lane)
+        theta = crossing(lanes, which, first, series, w, lane)
+        if is_partial(lanes, which) and (
+            theta == NO_EVENT or not _is_met(lanes, which, theta, w, lane)
         ):
-            may_be_flat = theta != NO_EVENT or _is_flat(events, which, first, series, w, lane)
+            may_be_flat = theta != NO_EVENT or _is_flat(lanes, which, first, series, w, lane)
             is_undecided = is_undecided or may_be_flat
-        elif events.is_conditional(which):
+        elif is_conditional(lanes.events, which):
             is_undecided = is_undecided or theta != NO_EVENT
         elif theta < first:
             first, which_first = theta, which
     if is_undecided:
-        which, theta = _search_dense_output(events, w, lane, runs, search, i)
-        if theta < first and which < events.combined:
+        which, theta = _search_dense_output(lanes.events, w, lane, runs, search, i)
+        if theta < first and which < lanes.events.combined:
             first, which_first = theta, which
     return which_first, first

@@ -1,7 +1,7 @@
 """The modes that lanes hold, and their kinds: modes of a kind have the same series.
 
 The batch engine begins here. Input: the fields of ``Mode``. Output: the kinds of modes, for which
-series.py derives series; all modes that lanes hold, for which event_kernels.py selects events; and
+series.py derives series; all modes that lanes hold, for which lane_events.py selects events; and
 kernels that number the mode of a run. For lanes to hold a further contact, add its modes here.
 """
 
@@ -13,14 +13,16 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from model.compile.jit import inlined_kernel, python_of
-from model.engines.batch.level_forms import MODE
+from model.compile.kernels import inlined_kernel
 from model.physics.modes import CLOSED, OPEN, RELEASED, SLIP_POSITIVE, START, STICKING, Mode
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 
 _STATES, _SLIPS = (OPEN, CLOSED, RELEASED), (STICKING, SLIP_POSITIVE)
-# Stages of a fall: ``dropped``, ``in_slot`` and ``corners_inside``.
-_FALLS = (False, False, False), (True, False, False), (True, True, False), (True, True, True)
+# Stages of a fall: ``dropped``, ``in_slot``, ``corners_inside``; without insertion, the first two.
+_FALLS = (
+    (False, False, False), (True, False, False), (True, True, False), (True, False, True),
+    (True, True, True),
+)  # fmt: skip
 
 # Where the support is: A1 or A2 under the bottom face, or A1 and B1 on the right side of the slot.
 ON_RIGHT_EDGE, ON_LEFT_EDGE, BETWEEN_WALLS = range(3)
@@ -127,15 +129,15 @@ def kind_in(numbers, mode):
     return numbers[place, support, side]
 
 
-MODES_OF_A_KIND = 32  # numbers of ``mode_in_kind``
+MODES_OF_A_KIND = 64  # numbers of ``mode_in_kind``
 
 
 @inlined_kernel
 def mode_in_kind(mode):
-    """Return the number of a mode in its kind, from its released contacts and ``dropped``."""
+    """Return the number of a mode in its kind, by released contacts and the stage of its fall."""
     right = int(mode.face == RELEASED) + 2 * int(mode.corner == RELEASED)
     left = int(mode.side == RELEASED) + 2 * int(mode.wall == RELEASED)
-    return right + 4 * left + 16 * int(mode.dropped)
+    return right + 4 * left + 16 * int(mode.dropped) + 32 * int(mode.corners_inside)
 
 
 @cache
@@ -147,8 +149,7 @@ def lane_modes(inserts: bool) -> list[tuple[Mode, tuple[int, int]]]:
     within = _STATES if inserts else (OPEN,)
     edges = (RIGHT_EDGE, LEFT_EDGE) if inserts else (RIGHT_EDGE,)
     modes = [
-        # The symbol in an unused field makes kernels called with it run as Python.
-        MODE._replace(
+        START._replace(
             edge=edge, face=face, corner=corner, side=side, wall=wall, support_slip=slip,
             side_slip=side_slip, slip_at_corner=at_corner, slip_at_wall=at_wall,
             dropped=dropped, in_slot=in_slot, corners_inside=inside,
@@ -159,8 +160,8 @@ def lane_modes(inserts: bool) -> list[tuple[Mode, tuple[int, int]]]:
         for slip in _SLIPS[: 2 if CLOSED in (face, corner) else 1]
         for side_slip in _SLIPS[: 2 if CLOSED in (side, wall) else 1]
         for dropped, in_slot, inside in (_FALLS if inserts else _FALLS[:2])
+        if edge == RIGHT_EDGE or not in_slot  # A1 and B1 are the right side of the slot
     ]  # fmt: skip
     numbers = numbers_of(kinds_of(inserts))
-    kind_of, mode_in = python_of(kind_in), python_of(mode_in_kind)
-    places = ((kind_of(numbers, mode), mode_in(mode)) for mode in modes)
+    places = ((int(kind_in(numbers, mode)), mode_in_kind(mode)) for mode in modes)
     return [each for each in zip(modes, places, strict=True) if each[1][0] >= 0]

@@ -1,25 +1,21 @@
-"""Largest tilt and normal force inside the step of one lane.
+"""Largest tilt and normal forces inside the step of one lane.
 
-Input: the lane's rows of the workspace after ``step_all``, and the largest values so far. Output:
+Input: the lane's lines of the workspace after ``step_all``, and the largest values so far. Output:
 the new largest values, for scheduling.py.
 """
 
 from math import inf
 
-from model.compile.jit import inlined_kernel, kernel
+from model.compile.kernels import inlined_kernel, kernel
 from model.compile.vector_code import WIDTH
-from model.engines.batch.event_search import row_at
-from model.engines.batch.series_layout import FRACTIONS, NODES, ORDER, ROWS, SINES, TILT
+from model.engines.batch.event_search import line_at
+from model.engines.batch.series_layout import FRACTIONS, LINES, NODES, ORDER, SINES, TILT
 from model.engines.batch.step import curvature_bound
 from model.engines.batch.workspace import (
     COEFFICIENTS,
-    LENGTH,
-    STEP_FORCE,
-    STEP_TILT,
+    STEP_LENGTH,
     VALUES,
-    loads_of,
 )
-from model.physics.modes import CLOSED
 
 _SUBINTERVAL = FRACTIONS[0]
 _MOST_ITERATIONS = 40
@@ -27,13 +23,13 @@ _CLOSE = 1e-3  # last correction, in steps: the error left is of the order of it
 
 
 @inlined_kernel
-def _with_slope(row, sign, time, w, lane):
-    """A row times ``sign`` at ``time`` after the step's start, and its first two derivatives."""
-    value, slope, half = w[(COEFFICIENTS + ORDER * ROWS + row) * WIDTH + lane], 0.0, 0.0
+def _with_slope(line, sign, time, w, lane):
+    """A line times ``sign`` at ``time`` after the step's start, and its first two derivatives."""
+    value, slope, half = w[(COEFFICIENTS + ORDER * LINES + line) * WIDTH + lane], 0.0, 0.0
     for order in range(ORDER - 1, -1, -1):
         half = half * time + slope
         slope = slope * time + value
-        value = value * time + w[(COEFFICIENTS + order * ROWS + row) * WIDTH + lane]
+        value = value * time + w[(COEFFICIENTS + order * LINES + line) * WIDTH + lane]
     return sign * value, sign * slope, 2.0 * sign * half
 
 
@@ -50,21 +46,21 @@ def _slopes(g):
 
 
 @kernel
-def _peak(row, sign, left, theta, right, w, lane):
-    """Maximum of a row times ``sign`` between the fractions ``left`` and ``right`` of the step.
+def _peak(line, sign, left, theta, right, w, lane):
+    """Maximum of a line times ``sign`` between the fractions ``left`` and ``right`` of the step.
 
-    -inf unless the row rises at ``left`` and falls at ``right``. Newton's iteration for the zero of
-    the slope, from ``theta``; in place of a step that would leave the bracket, bisection.
+    -inf unless the line rises at ``left`` and falls at ``right``. Newton's iteration for the zero
+    of the slope, from ``theta``; in place of a step that would leave the bracket, bisection.
     """
-    length = w[LENGTH * WIDTH + lane]
+    length = w[STEP_LENGTH * WIDTH + lane]
     low, time, high = left * length, theta * length, right * length
     if not (
-        _with_slope(row, sign, low, w, lane)[1] > 0.0 > _with_slope(row, sign, high, w, lane)[1]
+        _with_slope(line, sign, low, w, lane)[1] > 0.0 > _with_slope(line, sign, high, w, lane)[1]
     ):
         return -inf
     value = -inf
     for iteration in range(_MOST_ITERATIONS):
-        value, slope, second = _with_slope(row, sign, time, w, lane)
+        value, slope, second = _with_slope(line, sign, time, w, lane)
         low, high = (time, high) if slope > 0.0 else (low, time)
         further = time - slope / second if second != 0.0 else inf
         is_inside = second < 0.0 and low <= further <= high
@@ -75,10 +71,10 @@ def _peak(row, sign, left, theta, right, w, lane):
 
 
 @kernel
-def _highest(row, sign, until, known, w, lane):
-    """The larger of a ``known`` value and the maximum of a row times ``sign`` before ``until``."""
-    first, node = (VALUES + row) * WIDTH + lane, SINES * WIDTH
-    bound = curvature_bound(row, w, lane)
+def _highest(line, sign, until, known, w, lane):
+    """The larger of a ``known`` value and the maximum of a line times ``sign`` before ``until``."""
+    first, node = (VALUES + line) * WIDTH + lane, SINES * WIDTH
+    bound = curvature_bound(line, w, lane)
     g = (
         sign * w[first], sign * w[first + node], sign * w[first + 2 * node],
         sign * w[first + 3 * node], sign * w[first + 4 * node],
@@ -90,7 +86,7 @@ def _highest(row, sign, until, known, w, lane):
         if n * _SUBINTERVAL <= until:
             highest = max(highest, g[n])
     if until < 1.0:
-        highest = max(highest, sign * row_at(row, until, w, lane))
+        highest = max(highest, sign * line_at(line, until, w, lane))
     slope = _slopes(g)
     for n in range(1, NODES):
         left, share = (n - 1) * _SUBINTERVAL, 0.5
@@ -98,46 +94,17 @@ def _highest(row, sign, until, known, w, lane):
             if slope[n - 1] > 0.0 > slope[n]:
                 share = slope[n - 1] / (slope[n - 1] - slope[n])
             theta, right = (n - 1 + share) * _SUBINTERVAL, min(n * _SUBINTERVAL, until)
-            highest = max(highest, _peak(row, sign, left, min(theta, right), right, w, lane))
+            highest = max(highest, _peak(line, sign, left, min(theta, right), right, w, lane))
     return highest
 
 
 @inlined_kernel
-def _add(row, to, w, lane):
-    """Add a row, its samples and its bound to another one."""
-    for order in range(ORDER + 1):
-        at = COEFFICIENTS + order * ROWS
-        w[(at + to) * WIDTH + lane] += w[(at + row) * WIDTH + lane]
-    for node in range(NODES + 1):
-        at = VALUES + node * SINES
-        w[(at + to) * WIDTH + lane] += w[(at + row) * WIDTH + lane]
+def largest_tilt(known, until, w, lane):
+    """Return the largest |tilt| up to the fraction ``until`` of the step, or the ``known`` one."""
+    return _highest(TILT, -1.0, until, _highest(TILT, 1.0, until, known, w, lane), w, lane)
 
 
 @inlined_kernel
-def _highest_force(loads, until, known, w, lane):
-    """``_highest`` of the normal force on support or side; see ``loads_of``.
-
-    If edge and corner press, the sum of their loads takes the place of the corner's.
-    """
-    (edge_load, edge), (corner_load, corner) = loads
-    if edge == CLOSED and corner == CLOSED:
-        _add(edge_load, corner_load, w, lane)
-    if corner == CLOSED:
-        return _highest(corner_load, 1.0, until, known, w, lane)
-    return _highest(edge_load, 1.0, until, known, w, lane) if edge == CLOSED else known
-
-
-@kernel
-def largest_until(events, tilt, force, until, w, lane):
-    """Largest |tilt| and normal force of a run, up to the fraction ``until`` of the step.
-
-    ``tilt`` and ``force`` are the largest values so far.
-    """
-    if w[STEP_TILT * WIDTH + lane] > tilt:
-        tilt = _highest(TILT, 1.0, until, tilt, w, lane)
-        tilt = _highest(TILT, -1.0, until, tilt, w, lane)
-    if w[STEP_FORCE * WIDTH + lane] > force:
-        support, side = loads_of(events.mode_of_lane(w, lane))
-        force = _highest_force(support, until, force, w, lane)
-        force = _highest_force(side, until, force, w, lane)
-    return tilt, force
+def largest_force(line, known, until, w, lane):
+    """Return the largest force in a line up to the fraction ``until``, or the ``known`` one."""
+    return _highest(line, 1.0, until, known, w, lane)

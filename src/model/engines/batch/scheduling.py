@@ -1,28 +1,37 @@
 """The batch engine: many runs at once; runs in the same kind of mode share SIMD vectors.
 
-The batch engine ends here. Input: rows of constants, of which threads take the next from a queue.
-Output: rows of results. Runs wait in queues, one for each kind of mode; the runs of the fullest
+The batch engine ends here. Input: parameter sets, of which threads take the next from a queue.
+Output: their results. Runs wait in queues, one for each kind of mode; the runs of the fullest
 queue make a step together (step.py). A step without an event is accepted. Otherwise the run
 advances to the first event, located on its series to their full order (event_search.py), without
 another step. Transitions and ends of periods are shared with the reference engine (lifecycle.py),
 which also steps runs in modes that lanes do not hold.
 """
 
-from math import inf, isnan, nan
+from math import isnan, nan
 from typing import NamedTuple
 
 import numpy as np
 
-from model.compile.jit import inlined_kernel, kernel
+from model.compile.kernels import inlined_kernel, kernel
 from model.compile.vector_code import WIDTH
 from model.engines.batch import workspace
 from model.engines.batch.carried_error import apply_saltation, carry_error, error_of_time
 from model.engines.batch.event_search import SearchMemory, first_event, new_search_memory, state_at
-from model.engines.batch.peaks import largest_until
+from model.engines.batch.lane_events import LaneEvents, applicable_in, kind_of
+from model.engines.batch.peaks import largest_force, largest_tilt
 from model.engines.batch.series import LANE_CONSTANTS, SIDE_SIGN, SUPPORT_SIGN
+from model.engines.batch.series_kernels import missing_series
 from model.engines.batch.series_layout import NODES, ORDER
 from model.engines.batch.step import step_all
-from model.engines.batch.workspace import COEFFICIENTS, constants_of_lane, copy_mode, lowest_bit
+from model.engines.batch.workspace import (
+    COEFFICIENTS,
+    constants_of_lane,
+    copy_mode,
+    loads_of,
+    lowest_bit,
+    mode_of_lane,
+)
 from model.engines.lifecycle import (
     History,
     apply_event,
@@ -30,15 +39,17 @@ from model.engines.lifecycle import (
     end_period,
     end_step,
     fail,
-    is_counted,
     new_history,
     note_step,
+    notes_forces,
 )
-from model.engines.queue import fair_share, next_in
+from model.engines.queue import fair_share, is_stopped, next_in
+from model.engines.rates import are_finite, is_too_short, rates_at
 from model.engines.record import (
     AT,
     CLOSEST,
     ERROR,
+    FORCES,
     MODE,
     SIZE,
     STATE,
@@ -50,23 +61,21 @@ from model.engines.record import (
     store_state,
 )
 from model.engines.scalar.location import NO_EVENT
-from model.engines.scalar.loop import Workspace, advance, new_workspace
-from model.engines.scalar.step import MOST_GROWTH, are_finite, is_too_short, rates_of
-from model.engines.scalar.tableaux import DOP853
+from model.engines.scalar.loop import TRACK_COLUMNS, Workspace, advance, new_workspace
+from model.engines.scalar.step import MOST_GROWTH
 from model.events.event_functions import NEVER, ON_AN_EVENT
 from model.events.friction import hold_sticking
-from model.events.kernels import SceneKernels
 from model.events.outcomes import REASON
 from model.events.transitions import CONTINUES
-from model.physics.modes import Mode
+from model.physics.modes import CLOSED, Mode
 from model.physics.notation import STATE_SIZE
 
 POOL = 128  # largest number of runs that a thread has at once
 _FIRST_LONGEST = 1.0  # bound of a run's first step
 
 
-# Numbers of a run copied to its lane besides constants, mode and state: (row of lanes, column of
-# runs).
+# Numbers of a run copied to its lane besides constants, mode and state: (line of the workspace,
+# column of the record).
 _GATHERED = (
     (SUPPORT_SIGN, MODE + Mode._fields.index("support_slip")),
     (SIDE_SIGN, MODE + Mode._fields.index("side_slip")),
@@ -78,20 +87,20 @@ _GATHERED = (
 
 
 @kernel
-def _gather(events, runs, i, w, lane):
+def _gather(lanes, runs, i, w, lane):
     """Copy run ``i`` into a lane."""
-    for place, row in enumerate(LANE_CONSTANTS):
-        w[place * WIDTH + lane] = runs[i, row]
-    for place, row in _GATHERED:
-        w[place * WIDTH + lane] = runs[i, row]
-    copy_mode(events, runs, i, MODE, w, lane)
+    for line, column in enumerate(LANE_CONSTANTS):
+        w[line * WIDTH + lane] = runs[i, column]
+    for line, column in _GATHERED:
+        w[line * WIDTH + lane] = runs[i, column]
+    copy_mode(lanes, runs, i, MODE, w, lane)
     for n in range(STATE_SIZE):
         w[(COEFFICIENTS + n) * WIDTH + lane] = runs[i, STATE + n]
         w[(workspace.ERROR + n) * WIDTH + lane] = runs[i, ERROR + n]
 
 
 @kernel
-def _note_closest(events, until, w, lane, runs, i):
+def _note_closest(lanes, until, w, lane, runs, i):
     """Lower closest approaches by the samples of a step before ``until``.
 
     A level that starts at zero is left out, as by ``note_closest`` of the reference engine.
@@ -100,7 +109,7 @@ def _note_closest(events, until, w, lane, runs, i):
     while applicable != 0:
         which = lowest_bit(applicable)
         applicable &= applicable - 1
-        at, node = (events.samples + which) * WIDTH + lane, events.count * WIDTH
+        at, node = (lanes.samples + which) * WIDTH + lane, lanes.events.count * WIDTH
         if w[at] > ON_AN_EVENT and w[at] != NEVER:
             lowest = runs[i, CLOSEST + which]
             for each in range(1, last + 1):
@@ -109,14 +118,14 @@ def _note_closest(events, until, w, lane, runs, i):
 
 
 @inlined_kernel
-def _record_periods(scene, until, history, control, w, lane, runs, i):
+def _record_periods(scene, lanes, until, history, control, w, lane, runs, i):
     """Record the excitation periods that end in a step, before ``until``.
 
     The run may end with one of them. Closest approaches of a step that lies in two periods count in
     both.
     """
-    start, length = runs[i, AT.time], w[workspace.LENGTH * WIDTH + lane]
-    p, mode = constants_of_lane(w, lane), scene.events.mode_of_lane(w, lane)
+    start, length = runs[i, AT.time], w[workspace.STEP_LENGTH * WIDTH + lane]
+    p, mode = constants_of_lane(lanes, w, lane), mode_of_lane(lanes, w, lane)
     while (
         runs[i, AT.outcome] == CONTINUES
         and runs[i, AT.stop] <= start + until * length
@@ -127,35 +136,35 @@ def _record_periods(scene, until, history, control, w, lane, runs, i):
         runs[i, AT.time] = runs[i, AT.stop]
         end_period(scene, history, control.settling_noise, runs, i)
         if is_watched(runs, i):
-            _note_closest(scene.events, until, w, lane, runs, i)
+            _note_closest(lanes, until, w, lane, runs, i)
 
 
 @inlined_kernel
 def _carries_error(scene, control, runs, i):
     """Return whether run ``i`` carries its error: without insertion, only until it aligns."""
-    needed = scene.events.inserts == 1 or isnan(runs[i, AT.tau_align])
+    needed = scene.events.inserts or isnan(runs[i, AT.tau_align])
     return control.carries_error != 0.0 and needed
 
 
 @inlined_kernel
-def _advance(scene, until, history, control, w, lane, runs, i):
+def _advance(scene, lanes, until, history, control, w, lane, runs, i):
     """Advance by a step, or its fraction ``until`` an event; return whether the run continues."""
-    length, start = w[workspace.LENGTH * WIDTH + lane], runs[i, AT.time]
+    length, start = w[workspace.STEP_LENGTH * WIDTH + lane], runs[i, AT.time]
     if is_watched(runs, i):
-        _note_closest(scene.events, until, w, lane, runs, i)
-    _record_periods(scene, until, history, control, w, lane, runs, i)
+        _note_closest(lanes, until, w, lane, runs, i)
+    _record_periods(scene, lanes, until, history, control, w, lane, runs, i)
     continues = runs[i, AT.outcome] == CONTINUES
     if not continues:
         until = (runs[i, AT.time] - start) / length
-    tilt, force = 0.0, 0.0
-    counted = is_counted(scene.events.mode_of_lane(w, lane), constants_of_lane(w, lane))
-    if counted and control.alignment_only == 0.0:
-        tilt, force = largest_until(
-            scene.events, runs[i, AT.tilt_max], runs[i, AT.contact_force_max], until, w, lane
-        )
-    elif scene.events.inserts == 1:
-        _, force = largest_until(scene.events, inf, runs[i, AT.side_force_max], until, w, lane)
-    note_step(until * length, tilt, force, runs, i)
+    mode, tilt = mode_of_lane(lanes, w, lane), 0.0
+    if control.alignment_only == 0.0:
+        tilt = largest_tilt(runs[i, AT.tilt_max], until, w, lane)
+    note_step(scene, until * length, tilt, runs, i)
+    if notes_forces(scene, mode, control, runs, i):
+        for line, state, place in loads_of(mode):
+            if state == CLOSED:
+                known = runs[i, FORCES + place]
+                runs[i, FORCES + place] = largest_force(line, known, until, w, lane)
     if not continues:
         return False
     if _carries_error(scene, control, runs, i):
@@ -167,23 +176,23 @@ def _advance(scene, until, history, control, w, lane, runs, i):
 
 
 @inlined_kernel
-def _accept_step(scene, history, control, w, lane, runs, i):
+def _accept_step(scene, lanes, history, control, w, lane, runs, i):
     """Complete a step without an event."""
-    if _advance(scene, 1.0, history, control, w, lane, runs, i):
+    if _advance(scene, lanes, 1.0, history, control, w, lane, runs, i):
         for n in range(STATE_SIZE):
             runs[i, STATE + n] = w[(workspace.END + n) * WIDTH + lane]
         end_step(scene, False, history, control, runs, i)
 
 
 @inlined_kernel
-def _advance_to_event(which, theta, scene, history, control, w, lane, runs, i):
+def _advance_to_event(which, theta, scene, lanes, history, control, w, lane, runs, i):
     """Advance to an event in the step, and continue in the mode that follows."""
-    if _advance(scene, theta, history, control, w, lane, runs, i):
+    if _advance(scene, lanes, theta, history, control, w, lane, runs, i):
         q, before = state_at(theta, w, lane), mode_of(runs, i)
         carries = _carries_error(scene, control, runs, i)
         had_aligned = not isnan(runs[i, AT.tau_align])
         store_state(q, runs, i)
-        step = w[workspace.LENGTH * WIDTH + lane]
+        step = w[workspace.STEP_LENGTH * WIDTH + lane]
         apply_event(which, theta * step, step, scene, control, runs, i)
         if carries:
             aligns = not (had_aligned or isnan(runs[i, AT.tau_align]))
@@ -197,26 +206,26 @@ def _advance_to_event(which, theta, scene, history, control, w, lane, runs, i):
 
 
 @inlined_kernel
-def _continue(scene, method, control, memory, lane, i):
+def _continue(scene, lanes, control, memory, lane, i):
     """Continue run ``i`` after the step of its lane."""
     w, runs, history = memory.w, memory.runs, memory.history
     runs[i, AT.rhs_evaluations] += ORDER
-    length = w[workspace.LENGTH * WIDTH + lane]
-    if scene.events.inserts == 1 and isnan(length):  # shares of loads that begin at zero: 0 / 0
+    length = w[workspace.STEP_LENGTH * WIDTH + lane]
+    if scene.events.inserts and isnan(length):  # shares of loads that begin at zero: 0 / 0
         runs[i, AT.largest_error] = nan  # the reference engine does not carry it
-        advance(scene, method, control, memory.work.nodes[:0], history, memory.work, runs, i)
+        advance(scene, control, memory.track, history, memory.work, runs, i)
     elif isnan(length) or is_too_short(length, runs[i, AT.time]):
         q = state_in(runs, STATE, i)
-        rates = rates_of(runs[i, AT.time], q, constants_of(runs, i), mode_of(runs, i))
+        rates = rates_at(runs[i, AT.time], q, constants_of(lanes.events, runs, i), mode_of(runs, i))
         fail(scene, runs, i, REASON.STEP_TOO_SMALL if are_finite(rates) else REASON.NOT_FINITE)
     else:
         which, theta = -1, NO_EVENT
         if w[workspace.CANDIDATES * WIDTH + lane] != 0.0:
-            which, theta = first_event(scene.events, w, lane, runs, memory.search, i)
+            which, theta = first_event(lanes, w, lane, runs, memory.search, i)
         if theta == NO_EVENT:
-            _accept_step(scene, history, control, w, lane, runs, i)
+            _accept_step(scene, lanes, history, control, w, lane, runs, i)
         else:
-            _advance_to_event(which, theta, scene, history, control, w, lane, runs, i)
+            _advance_to_event(which, theta, scene, lanes, history, control, w, lane, runs, i)
 
 
 class Waiting(NamedTuple):
@@ -243,35 +252,45 @@ class BatchMemory(NamedTuple):
     search: SearchMemory
     waiting: Waiting
     together: np.ndarray  # shape (WIDTH,), the runs of the step
+    track: np.ndarray  # shape (0, columns): runs of a batch have none
+    addresses: np.ndarray  # see ``Series``
 
 
-def new_batch_memory(scene: SceneKernels, may_settle: bool = True) -> BatchMemory:
+def new_batch_memory(lanes: LaneEvents, may_settle: bool = True) -> BatchMemory:
     """Return a ``BatchMemory`` without runs; histories only if runs ``may_settle``."""
-    work, w = new_workspace(DOP853.method), workspace.new_workspace(scene.events.rows)
-    kinds = scene.events.kinds
+    work, w = new_workspace(), workspace.new_workspace(lanes.lines)
+    kinds = len(lanes.series.fill)
     waiting = Waiting(*(np.zeros(shape, np.int64) for shape in ((kinds, POOL), kinds, kinds)))
     together = np.zeros(WIDTH, np.int64)
-    history = new_history(POOL if may_settle else 1, scene.events.count)
+    history = new_history(POOL if may_settle else 1)
     return BatchMemory(
-        w, np.zeros((POOL, SIZE)), history, work, new_search_memory(), waiting, together
+        w,
+        np.zeros((POOL, SIZE)),
+        history,
+        work,
+        new_search_memory(),
+        waiting,
+        together,
+        np.zeros((0, TRACK_COLUMNS)),
+        lanes.series.addresses,
     )
 
 
 @inlined_kernel
-def _enqueue(scene, method, control, memory, results, i):
+def _enqueue(scene, lanes, control, memory, results, i):
     """Put run ``i`` into the queue of its kind of mode, or write its result if it has ended.
 
     The reference engine advances it until lanes can hold its mode. Returns True if the run waits.
     """
     runs, waiting = memory.runs, memory.waiting
-    kind = scene.events.kind_of(mode_of(runs, i))
+    kind = kind_of(lanes, mode_of(runs, i))
     while runs[i, AT.outcome] == CONTINUES and kind < 0:
         if _carries_error(scene, control, runs, i):
             runs[i, AT.largest_error] = nan  # the reference engine does not carry it
-        advance(scene, method, control, memory.work.nodes[:0], memory.history, memory.work, runs, i)
-        kind = scene.events.kind_of(mode_of(runs, i))
+        advance(scene, control, memory.track, memory.history, memory.work, runs, i)
+        kind = kind_of(lanes, mode_of(runs, i))
     if runs[i, AT.outcome] != CONTINUES:
-        store_result(runs, i, results, int(runs[i, AT.row_of_batch]))
+        store_result(scene.events, runs, i, results, int(runs[i, AT.number_in_batch]))
         return False
     waiting.runs[kind, (waiting.firsts[kind] + waiting.counts[kind]) % POOL] = i
     waiting.counts[kind] += 1
@@ -279,16 +298,16 @@ def _enqueue(scene, method, control, memory, results, i):
 
 
 @kernel
-def _begin_next(rows, tolerances, queue, scene, method, control, memory, results, i):
+def _begin_next(sets, tolerances, queue, scene, lanes, control, memory, results, i):
     """Start the next parameter set of the queue, if there is one, as run ``i``."""
     waits = False
     while not waits:
-        row = next_in(queue)
-        if row >= rows.shape[0]:
+        number = next_in(queue)
+        if number >= sets.shape[0]:
             return
-        begin(rows[row], tolerances[row], scene, control, memory.runs, i)
-        memory.runs[i, AT.row_of_batch], memory.runs[i, AT.next_step] = row, _FIRST_LONGEST
-        waits = _enqueue(scene, method, control, memory, results, i)
+        begin(sets[number], tolerances[number], scene, control, memory.runs, i)
+        memory.runs[i, AT.number_in_batch], memory.runs[i, AT.next_step] = number, _FIRST_LONGEST
+        waits = _enqueue(scene, lanes, control, memory, results, i)
 
 
 @inlined_kernel
@@ -313,39 +332,51 @@ def _dequeue(kind, waiting, together):
 
 
 @kernel
-def _step_together(events, kind, count, control, memory):
+def _step_together(lanes, kind, count, control, memory):
     """Make a step of ``count`` runs in the same kind of mode."""
     w, runs = memory.w, memory.runs
     applicable = 0
     for lane in range(WIDTH):  # lanes without a run repeat the last one
         i = memory.together[min(lane, count - 1)]
-        _gather(events, runs, i, w, lane)
-        may_apply = events.applicable(kind, mode_of(runs, i))
+        _gather(lanes, runs, i, w, lane)
+        p, mode = constants_of(lanes.events, runs, i), mode_of(runs, i)
+        may_apply = applicable_in(lanes, kind, p, mode)
         w[workspace.APPLICABLE * WIDTH + lane] = float(may_apply)
         applicable |= may_apply
-    step_all(events, kind, applicable, control, w)
+    step_all(lanes, kind, applicable, control, memory.addresses, w)
 
 
 @kernel
-def integrate_all(rows, tolerances, scene, method, control, queue, results, memory):
-    """Run the parameter sets of a queue to their ends, many at a time.
-
-    Shapes: rows (n, constants), the fields of ``Constants``, consistent variants only; tolerances
-    (n,); results (n, len(RunResult._fields)), filled for the sets taken. ``scene`` is made by
-    ``in_vector_kernels``, ``queue`` by ``new_queue``: threads that share it share the sets.
-    ``method`` is that of DOP853, for modes that lanes do not hold; ``memory`` is overwritten.
-    """
-    counts = memory.waiting.counts
-    counts[:] = 0
+def begin_all(sets, tolerances, scene, lanes, control, queue, results, memory):
+    """Start the first parameter sets of a queue; see ``integrate_all``."""
+    memory.waiting.counts[:] = 0
     for i in range(min(POOL, fair_share(queue))):
-        _begin_next(rows, tolerances, queue, scene, method, control, memory, results, i)
+        _begin_next(sets, tolerances, queue, scene, lanes, control, memory, results, i)
+
+
+@kernel
+def integrate_all(sets, tolerances, scene, lanes, control, queue, results, memory):
+    """Run the parameter sets of a queue to their ends, many at a time, after ``begin_all``.
+
+    Shapes: sets (n, constants), the fields of ``Constants``, consistent variants only; tolerances
+    (n,); results (n, len(RunResult._fields)), filled for the sets taken. ``queue`` is made by
+    ``new_queue``: threads that share it share the sets. ``memory`` is overwritten.
+
+    Returns -1 at the end, or the number of a function that ``Series`` has to load before the runs
+    continue, in a further call.
+    """
+    counts, carries_error = memory.waiting.counts, control.carries_error != 0.0
     kind = _fullest(counts)
-    while counts[kind] > 0:
+    while counts[kind] > 0 and not is_stopped(queue):
+        missing = missing_series(lanes, kind, carries_error, memory.addresses)
+        if missing >= 0:
+            return missing
         count = _dequeue(kind, memory.waiting, memory.together)
-        _step_together(scene.events, kind, count, control, memory)
+        _step_together(lanes, kind, count, control, memory)
         for lane in range(count):
             i = memory.together[lane]
-            _continue(scene, method, control, memory, lane, i)
-            if not _enqueue(scene, method, control, memory, results, i):
-                _begin_next(rows, tolerances, queue, scene, method, control, memory, results, i)
+            _continue(scene, lanes, control, memory, lane, i)
+            if not _enqueue(scene, lanes, control, memory, results, i):
+                _begin_next(sets, tolerances, queue, scene, lanes, control, memory, results, i)
         kind = _fullest(counts)
+    return -1

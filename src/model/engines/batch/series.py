@@ -2,10 +2,11 @@
 
 Input: a kind of mode (mode_kinds.py). Output: its ``Recurrences``, which series_layout.py places in
 memory and series_code.py writes as code. ``motion`` and the corner positions are called once with
-symbols in place of numbers. They return sums of rows, each row with a constant factor. A row is a
-series whose next coefficient follows from the known ones: a state (by its rate), sine or cosine of
-an angle, a product, a quotient, a sum, or the rate of another row. Recurrences as in Moore,
-Interval Analysis (1966), ch. 11, and Jorba and Zou, Experimental Mathematics 14 (2005) 99-117.
+symbols in place of numbers. They return sums of Taylor series, each with a constant factor. The
+next coefficient of a series follows from the known ones: it is a state (by its rate), sine or
+cosine of an angle, a product, a quotient, a root, a sum, or the rate of another series. Recurrences
+as in Moore, Interval Analysis (1966), ch. 11, and Jorba and Zou, Experimental Mathematics 14 (2005)
+99-117.
 """
 
 from collections.abc import Callable
@@ -14,14 +15,23 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from model.compile.jit import Symbol, python_of
+from model.compile.kernels import Symbol, python_of
 from model.engines.batch.mode_kinds import SIDE_CONTACTS, ModeKind, mode_of_kind
 from model.events.event_functions import corner_positions
-from model.physics.contacts import Contact, contact_load, corner_on_wall, edge_on_face, edge_on_side
+from model.physics.contacts import (
+    Contact,
+    contact_load,
+    corner_on_wall,
+    dot,
+    edge_on_face,
+    edge_on_side,
+    support_on_face,
+    tips_on_face,
+)
 from model.physics.motion import corner_share, motion
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
 from model.physics.parameters import Constants
-from model.physics.trigonometry import sine_cosine
+from model.physics.trigonometry import sine_cosine, square_root
 
 # Constant during a step: a number, ("given", place), or (operation, constant, constant).
 Constant = float | tuple[Any, ...]
@@ -29,7 +39,7 @@ Constant = float | tuple[Any, ...]
 # Columns of ``Constants`` that lanes hold: all that select no variant of the equations. The signs
 # of the slips follow.
 LANE_CONSTANTS = np.array(
-    [row for row, name in enumerate(Constants._fields) if not name.startswith("printed_")]
+    [n for n, name in enumerate(Constants._fields) if not name.startswith("printed_")]
 )
 SUPPORT_SIGN, SIDE_SIGN = len(LANE_CONSTANTS), len(LANE_CONSTANTS) + 1
 GIVEN = len(LANE_CONSTANTS) + 2
@@ -61,14 +71,25 @@ def _inverse(a: Constant) -> Constant:
 
 
 class TaylorSeries(NamedTuple):
-    """One series: the rule of its coefficients, and the rows or the sum to which it is applied."""
+    """A series: the rule of its coefficients, and what the rule is applied to.
 
-    rule: str  # "state", "time", "sine", "cosine", "product", "quotient", "sum" or "rate"
+    Rules are "state", "time", "sine", "cosine", "product", "quotient", "root", "sum" and "rate"; in
+    levels of events (levels.py) also "line" and "absolute".
+    """
+
+    rule: str
     operands: tuple[Any, ...]
 
     @property
+    def is_convolved(self) -> bool:
+        """True if its coefficients are sums over those of its ``factors``."""
+        return self.rule in ("product", "quotient", "root")
+
+    @property
     def factors(self) -> "tuple[TaylorSeries, TaylorSeries]":
-        """Factors of a product; of a quotient, itself and its divisor."""
+        """Factors of a product; of a quotient, itself and its divisor; of a root, twice itself."""
+        if self.rule == "root":
+            return self, self
         one, other = self.operands
         return (one, other) if self.rule == "product" else (self, other)
 
@@ -78,10 +99,10 @@ _CONTACTS = tuple(python_of(each) for each in (edge_on_face, edge_on_side, corne
 
 @dataclass(frozen=True, eq=False)
 class Sum(Symbol):
-    """Sum of a constant and of rows, each with a constant factor.
+    """Sum of a constant and of series, each with a constant factor.
 
     ``multiple`` = (factor, origin) where this sum is a multiple of another one: products with
-    either then share one row.
+    either then share one series.
     """
 
     constant: Constant
@@ -91,11 +112,15 @@ class Sum(Symbol):
     def rule_of(self, function: Callable[..., Any]) -> Callable[..., Any]:
         """Return the replacement of a function in a trace, or the function itself.
 
-        Sine and cosine become rows. The closing rate and slip of a contact become rates of its
-        depth and place. An edge and a corner that share friction are known to press.
+        Sine, cosine and square root become series. The closing rate and slip of a contact become
+        rates of its depth and place. An edge and a corner that share friction are known to press.
         """
         if function is python_of(sine_cosine):
             return _sine_cosine
+        if function is python_of(square_root):
+            return _root
+        if function is python_of(tips_on_face):
+            return _tips_with_rates
         if function is python_of(corner_share):
             return _share
         if function in _CONTACTS:
@@ -103,11 +128,11 @@ class Sum(Symbol):
         return function
 
     def __add__(self, other: "Sum | float") -> "Sum":
-        other = _as_sum(other)
+        other = as_sum(other)
         terms = dict(self.terms)
-        for row, factor in other.terms.items():
-            terms[row] = _sum(terms.get(row, 0.0), factor)
-        kept = {row: factor for row, factor in terms.items() if factor != 0.0}
+        for series, factor in other.terms.items():
+            terms[series] = _sum(terms.get(series, 0.0), factor)
+        kept = {series: factor for series, factor in terms.items() if factor != 0.0}
         return Sum(_sum(self.constant, other.constant), kept)
 
     def times(self, factor: Constant) -> "Sum":
@@ -117,82 +142,111 @@ class Sum(Symbol):
         if factor == 1.0:
             return self
         of, origin = self.multiple or (1.0, self)
-        terms = {row: _product(factor, each) for row, each in self.terms.items()}
+        terms = {series: _product(factor, each) for series, each in self.terms.items()}
         return Sum(_product(factor, self.constant), terms, (_product(factor, of), origin))
 
     def __mul__(self, other: "Sum | float") -> "Sum":
-        other = _as_sum(other)
+        other = as_sum(other)
         if not other.terms:
             return self.times(other.constant)
         if not self.terms:
             return other.times(self.constant)
-        (a, f, row), (b, g, other_row) = self._as_row(), other._as_row()
-        both = TaylorSeries("product", tuple(sorted((row, other_row), key=repr)))
+        (a, f, one), (b, g, another) = self._as_multiple(), other._as_multiple()
+        both = TaylorSeries("product", tuple(sorted((one, another), key=repr)))
         squared = Sum(_product(a, b), {both: _product(f, g)})
-        return squared + Sum(0.0, {other_row: _product(a, g)}) + Sum(0.0, {row: _product(b, f)})
+        return squared + Sum(0.0, {another: _product(a, g)}) + Sum(0.0, {one: _product(b, f)})
 
-    def _as_row(self) -> tuple[Constant, Constant, TaylorSeries]:
-        """Return (constant, factor, row): this sum as a constant and a multiple of one row."""
+    def _as_multiple(self) -> tuple[Constant, Constant, TaylorSeries]:
+        """Return (constant, factor, series): this sum as a constant and a multiple of a series."""
         if len(self.terms) == 1:
-            ((row, factor),) = self.terms.items()
-            return self.constant, factor, row
+            ((series, factor),) = self.terms.items()
+            return self.constant, factor, series
         factor, origin = self.multiple or (1.0, self)
-        return 0.0, factor, origin.as_row()
+        return 0.0, factor, origin.as_series()
 
-    def as_row(self) -> TaylorSeries:
-        """This sum as a row of its own."""
+    def as_series(self) -> TaylorSeries:
+        """Return this sum as a series of its own."""
         return TaylorSeries("sum", (self.constant, tuple(self.terms.items())))
 
     def __truediv__(self, other: "Sum | float") -> "Sum":
-        other = _as_sum(other)
+        other = as_sum(other)
         if not other.terms:
             return self.times(_inverse(other.constant))
-        return Sum(0.0, {TaylorSeries("quotient", (self.as_row(), other.as_row())): 1.0})
+        return Sum(0.0, {TaylorSeries("quotient", (self.as_series(), other.as_series())): 1.0})
 
     def __neg__(self) -> "Sum":
         return self.times(-1.0)
 
     def __sub__(self, other: "Sum | float") -> "Sum":
-        return self + -_as_sum(other)
+        return self + -as_sum(other)
 
     def __rsub__(self, other: float) -> "Sum":
-        return _as_sum(other) - self
+        return as_sum(other) - self
 
     def __rtruediv__(self, other: float) -> "Sum":
-        return _as_sum(other) / self
+        return as_sum(other) / self
+
+    def __abs__(self) -> "Sum":
+        return sum_of(TaylorSeries("absolute", (self.as_series(),)))
 
     __radd__, __rmul__ = __add__, __mul__
 
 
-def _as_sum(value: Sum | float) -> Sum:
+def as_sum(value: Sum | float) -> Sum:
+    """Return a sum, or a number as one."""
     return value if isinstance(value, Sum) else Sum(float(value), {})
 
 
-def _given(place: int) -> Sum:
+def given(place: int) -> Any:
+    """Return the constant at a place among those of a lane."""
     return Sum(("given", place), {})
 
 
-def _of(row: TaylorSeries) -> Sum:
-    return Sum(0.0, {row: 1.0})
+def sum_of(series: TaylorSeries) -> Any:
+    """Return the sum of one series."""
+    return Sum(0.0, {series: 1.0})
 
 
 STATES = tuple(TaylorSeries("state", (n,)) for n in range(len(State._fields)))
-TIME_ROW = TaylorSeries("time", ())
+_TIME = TaylorSeries("time", ())
 
 
 def _with_rates(contact: Contact) -> Contact:
     """Return the contact with closing rate and slip as rates of its depth and place."""
-    depth: Any = contact.depth
-    along: Any = contact.along
-    deep, far = (TaylorSeries("sum", (0.0, tuple(each.terms.items()))) for each in (depth, along))
-    closing_rate, slip = _of(TaylorSeries("rate", (deep,))), -_of(TaylorSeries("rate", (far,)))
-    depth = Sum(depth.constant, {deep: 1.0})
-    return contact._replace(depth=depth, closing_rate=closing_rate, slip=slip)  # type: ignore
+    depth, closing_rate = _with_rate(contact.depth)
+    _, receding = _with_rate(contact.along)
+    return contact._replace(depth=depth, closing_rate=closing_rate, slip=-receding)
+
+
+def _with_rate(value: Any) -> tuple[Any, Any]:
+    """Return a sum, as a series of its own and a constant, and its rate."""
+    series = TaylorSeries("sum", (0.0, tuple(value.terms.items())))
+    return Sum(value.constant, {series: 1.0}), sum_of(TaylorSeries("rate", (series,)))
+
+
+def _tips_with_rates(side: float, q: State, p: Constants) -> Contact:
+    """Return the contact of tips, with its closing rate and the drift of its slip as rates.
+
+    The slip is the row times the rates of the state, so its drift is the row's rate times them.
+    """
+    contact = python_of(tips_on_face)(side, q, p)
+    depth, closing_rate = _with_rate(contact.depth)
+    rows: Any = tuple(_with_rate(each) for each in contact.slip_row)
+    row, turning = tuple(each for each, _ in rows), tuple(rate for _, rate in rows)
+    slip, drift = (dot(each, q.x_rate, q.y_rate, q.tilt_rate) for each in (row, turning))
+    return contact._replace(
+        depth=depth, closing_rate=closing_rate, tangent=row, slip_row=row, slip=slip,
+        slip_drift=drift,
+    )  # fmt: skip
+
+
+def _root(value: Sum) -> Sum:
+    return Sum(0.0, {TaylorSeries("root", (value.as_series(),)): 1.0})
 
 
 def _sine_cosine(angle: Sum) -> tuple[Sum, Sum]:
     key = (angle.constant, tuple(angle.terms.items()))
-    return _of(TaylorSeries("sine", key)), _of(TaylorSeries("cosine", key))
+    return sum_of(TaylorSeries("sine", key)), sum_of(TaylorSeries("cosine", key))
 
 
 def _share(load: Sum, load_of_edge: Sum | float) -> Sum | float:
@@ -204,7 +258,7 @@ class EventQuantities(NamedTuple):
 
     Places as in ``CornerPositions``; for either side the loads of its edge and of its corner, and
     the slip or, while the contact sticks, the friction force. Only the insertion scene has loads of
-    corners.
+    corners, and only round parts have tips.
     """
 
     right_along_face: Any
@@ -222,6 +276,7 @@ class EventQuantities(NamedTuple):
     side_friction: Any
     corner_load: Any
     wall_load: Any
+    tips_depth: Any
 
 
 class Recurrences(NamedTuple):
@@ -231,24 +286,29 @@ class Recurrences(NamedTuple):
     quantities: tuple[Sum, ...]
 
 
+_PLACES = {n: place for place, n in enumerate(LANE_CONSTANTS.tolist())}
+SYMBOLS: Any = Constants(
+    *(given(_PLACES[n]) if n in _PLACES else 0.0 for n in range(len(Constants._fields)))
+)
+"""The constants of a lane, for tracing; consistent variants."""
+
+
 def _load(contact: Contact, q: State, p: Constants) -> Any:
     return contact_load(contact.depth, contact.closing_rate, q, p)
 
 
-def recurrences(kind: ModeKind, inserts: bool = False) -> Recurrences:
+def recurrences(
+    kind: ModeKind, inserts: bool = False, constants: type[Constants] = Constants
+) -> Recurrences:
     """Return the ``Recurrences`` of a kind of mode, with the loads of corners if it ``inserts``.
 
-    The equations are the consistent variants. They are the same for open and released contacts.
+    ``constants`` is the class for a plane or a round part. The equations are the consistent
+    variants. They are the same for open and released contacts.
     """
-    places = {row: place for place, row in enumerate(LANE_CONSTANTS)}
-    fields = range(len(Constants._fields))
-    constants: list[Any] = [_given(places[row]) if row in places else 0.0 for row in fields]
-    p = Constants(*constants)
-    states: list[Any] = [_of(row) for row in STATES]
-    q = State(*states)
-    mode = mode_of_kind(kind, (_given(SUPPORT_SIGN), _given(SIDE_SIGN)))
-    at = motion(_of(TIME_ROW), q, p, mode)
-    edge = edge_on_side(RIGHT_EDGE, q, p) if mode.in_slot else edge_on_face(mode.edge, q, p)
+    p, q = constants(*SYMBOLS), State(*map(sum_of, STATES))
+    mode = mode_of_kind(kind, (given(SUPPORT_SIGN), given(SIDE_SIGN)))
+    at = motion(sum_of(_TIME), q, p, mode)
+    edge = edge_on_side(RIGHT_EDGE, q, p) if mode.in_slot else support_on_face(mode.edge, q, p)
     left_edge = edge_on_side(LEFT_EDGE, q, p)
     corner, left_corner = corner_on_wall(RIGHT_EDGE, q, p), corner_on_wall(LEFT_EDGE, q, p)
     support, side = SIDE_CONTACTS[kind.support], SIDE_CONTACTS[kind.side]
@@ -264,5 +324,5 @@ def recurrences(kind: ModeKind, inserts: bool = False) -> Recurrences:
         corner_load=_load(corner, q, p) if mode.in_slot else 0.0,
         wall_load=_load(left_corner, q, p) if inserts else 0.0,
     )
-    accelerations = _as_sum(at.x), _as_sum(at.y), _as_sum(at.tilt)
-    return Recurrences(accelerations, tuple(map(_as_sum, quantities)))
+    accelerations = as_sum(at.x), as_sum(at.y), as_sum(at.tilt)
+    return Recurrences(accelerations, tuple(map(as_sum, quantities)))

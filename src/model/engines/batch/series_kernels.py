@@ -1,35 +1,41 @@
-"""Kernels that fill the series of runs, in every kind of mode, and sum them at the nodes.
+"""Functions that fill the series of lanes, in every kind of mode, and sum them at the nodes.
 
-Input: the code of series_code.py for every kind. Output: three kernels on the workspace, which
-event_kernels.py adds to the kernels of a scene and step.py calls.
+Input: the code of series_code.py for every kind. Output: kernels on the workspace, which step.py
+calls, and ``Series``, which compiles their functions.
 """
 
 from collections.abc import Sequence
-from typing import Any
 
-from model.compile.jit import kernel
-from model.compile.source import defined
-from model.compile.vector_code import VectorWriter, vector_function
+import numpy as np
+
+from model.compile.entries import address_of
+from model.compile.identity import identity_of
+from model.compile.kernels import inlined_kernel
+from model.compile.vector_code import VectorFunction, VectorWriter, call_at
 from model.engines.batch.mode_kinds import ModeKind
 from model.engines.batch.series import recurrences
-from model.engines.batch.series_code import SeriesWriter
+from model.engines.batch.series_code import ErrorWriter, SeriesWriter
 from model.engines.batch.series_layout import (
     FRACTIONS,
+    LINES,
     NODES,
     ORDER,
-    ROWS,
     SINES,
-    STATE_ROWS,
+    STATE_LINES,
     SUMMED_ORDERS,
     TILT,
     Layout,
 )
+from model.engines.batch.workspace import COEFFICIENTS, ERROR, LAST_ORDER, STEP_LENGTH, VALUES
+from model.physics.parameters import Constants
 
 
 class _SamplesWriter(VectorWriter):
     """Writes the function (coefficients, lengths, values) that sums series at the nodes.
 
-    ``count`` is the number of event quantities.
+    It sums the tilt and the first ``count`` event quantities at the nodes of steps of the given
+    ``lengths``; the other states at the last node only. At ``values`` stand SINES vectors for each
+    node, then as many bounds of the second derivative with respect to the fraction of the step.
     """
 
     def __init__(self, name: str, count: int) -> None:
@@ -41,31 +47,31 @@ class _SamplesWriter(VectorWriter):
             order: self.do("fmul", self.length, self.vector((order + 1.0) / (order - 1.0)))
             for order in range(2, ORDER + 1)
         }
-        self.repeat(str(STATE_ROWS), self._end_of_state)
-        self.repeat(str(1 + count), self._one_row)
+        self.repeat(str(STATE_LINES), self._end_of_state)
+        self.repeat(str(1 + count), self._one_line)
 
-    def _coefficient(self, row: str, order: int) -> str:
-        return self.load(self.base(self.coefficients, row), order * ROWS)
+    def _coefficient(self, line: str, order: int) -> str:
+        return self.load(self.base(self.coefficients, line), order * LINES)
 
-    def _enter(self, value: str, row: str, node: int) -> None:
-        self.store(value, self.base(self.values, row), node * SINES)
+    def _enter(self, value: str, line: str, node: int) -> None:
+        self.store(value, self.base(self.values, line), node * SINES)
 
-    def _end_of_state(self, row: str) -> tuple[()]:
+    def _end_of_state(self, line: str) -> tuple[()]:
         """Sum a state at the last node: at other nodes states are not needed."""
         total = self.vector(0.0)
         for order in range(ORDER, -1, -1):
-            total = self.fma(total, self.times[-1], self._coefficient(row, order))
-        self._enter(total, row, NODES - 1)
+            total = self.fma(total, self.times[-1], self._coefficient(line, order))
+        self._enter(total, line, NODES - 1)
         return ()
 
-    def _one_row(self, index: str) -> tuple[()]:
+    def _one_line(self, index: str) -> tuple[()]:
         """Sum the tilt, or an event quantity, at all nodes, and bound its second derivative."""
         is_first = self.count("icmp eq", index, "0")
-        other = self.count("add", index, str(STATE_ROWS - 1))
-        row = self.result(f"select i1 {is_first}, i64 {TILT}, i64 {other}")
+        other = self.count("add", index, str(STATE_LINES - 1))
+        line = self.result(f"select i1 {is_first}, i64 {TILT}, i64 {other}")
         sums, bound = [self.vector(0.0) for _ in FRACTIONS], self.vector(0.0)
         for order in range(ORDER, -1, -1):
-            coefficient = self._coefficient(row, order)
+            coefficient = self._coefficient(line, order)
             for node, last in enumerate(SUMMED_ORDERS):
                 if order <= last:
                     sums[node] = self.fma(sums[node], self.times[node], coefficient)
@@ -74,40 +80,107 @@ class _SamplesWriter(VectorWriter):
         square = self.do("fmul", self.length, self.length)
         bound = self.do("fmul", bound, self.do("fmul", self.vector(2.0), square))
         for node, value in enumerate((coefficient, *sums, bound)):
-            self._enter(value, row, node)
+            self._enter(value, line, node)
         return ()
 
 
-def filler(name: str, writer: type[SeriesWriter], kinds: Sequence[ModeKind], inserts: bool) -> Any:
-    """Make the kernel ``name`` (kind, block, *places) that calls the function written for a kind.
+class Series:
+    """Functions of vectors that fill and sample the series of every kind of mode.
 
-    ``kind`` is an index of ``kinds``; ``inserts`` as in ``recurrences``. ``block`` holds vectors,
-    aligned to cache lines; the ``places`` in it are the arguments of the function of ``writer``.
+    A function is compiled or loaded when the first run enters a mode of its kind.
+
+    Args:
+        kinds: kinds of modes, in the order of their numbers.
+        inserts, constants: as in ``recurrences``.
+        count: number of event quantities.
+        is_resident: True where the functions are part of the code that calls them: in a page.
+
+    Attributes:
+        fill: functions (coefficients, given, last) of ``SeriesWriter``.
+        fill_errors: functions (errors, given, coefficients) of ``ErrorWriter``.
+        sample: function of ``_SamplesWriter``.
+        addresses: of ``fill``, then of ``fill_errors``; 0 for those that are not loaded.
     """
 
-    def written(kind: ModeKind) -> Any:
+    def __init__(
+        self,
+        kinds: Sequence[ModeKind],
+        inserts: bool,
+        constants: type[Constants],
+        count: int,
+        is_resident: bool = False,
+    ) -> None:
+        self.is_resident, self._arguments = is_resident, (kinds, inserts, constants, count)
+        self.fill = _written("fill_series", SeriesWriter, *self._arguments[:3])
+        self.fill_errors = _written("fill_errors", ErrorWriter, *self._arguments[:3])
+        self.sample = VectorFunction(
+            f"sample_series_{count}", lambda name: _SamplesWriter(name, count)
+        )  # fmt: skip
+        self.addresses = np.zeros(2 * len(kinds), np.int64)
+        self.identity = f"series of {identity_of((*self._arguments, is_resident))}"
+
+    def load(self, number: int) -> None:
+        """Load a function: compile it, unless it is stored, and write its address."""
+        self.addresses[number] = address_of((*self.fill, *self.fill_errors)[number])
+
+    def resident(self) -> "Series":
+        """Return these functions as part of the code that calls them."""
+        return Series(*self._arguments, is_resident=True)
+
+
+def _written(
+    name: str,
+    writer: type[SeriesWriter],
+    kinds: Sequence[ModeKind],
+    inserts: bool,
+    constants: type[Constants],
+) -> tuple[VectorFunction, ...]:
+    """Return the function that a writer writes for each kind of mode."""
+
+    def of(kind: ModeKind) -> VectorFunction:
         def write(label: str) -> VectorWriter:
-            return writer(label, Layout(recurrences(kind, inserts)))
+            return writer(label, Layout(recurrences(kind, inserts, constants)))
 
-        return vector_function("_".join(map(str, (name, inserts, *kind))), write)
+        numbers = int(inserts), int(constants.is_round), *kind
+        return VectorFunction("_".join(map(str, (name, *numbers))), write)
 
-    known, lines = {}, [f"def {name}(kind, block, {writer.places}):"]
-    for number, kind in enumerate(kinds):
-        known[f"series_{number}"] = written(kind)
-        lines.append(f"    if kind == {number}: series_{number}(block, ({writer.places}))")
-    return kernel(defined(name, "\n".join(lines), known, f"{len(kinds)}_kinds"))
+    return tuple(map(of, kinds))
 
 
-def series_sampler(count: int) -> Any:
-    """Make the kernel (block, coefficients, lengths, values) that sums series at nodes of steps.
+# ------------------------------------------------------------------------------------------ kernels
 
-    It sums the tilt and the first ``count`` event quantities at the nodes of steps of the given
-    ``lengths``; the other states at the last node only. At ``values`` stand SINES vectors for each
-    node, then as many bounds of the second derivative with respect to the fraction of the step.
-    """
-    sample = vector_function(f"sample_{count}", lambda name: _SamplesWriter(name, count))
-    code = (
-        "def sample_series(block, coefficients, lengths, values):\n"
-        "    sample(block, (coefficients, lengths, values))"
-    )
-    return kernel(defined("sample_series", code, {"sample": sample}, f"{count}_quantities"))
+
+@inlined_kernel
+def missing_series(lanes, kind, carries_error, addresses):
+    """Return the number of a function that lanes need and that is not loaded; -1 if none is."""
+    if not lanes.series.is_resident:
+        if addresses[kind] == 0:
+            return kind
+        if carries_error and addresses[len(lanes.series.fill) + kind] == 0:
+            return len(lanes.series.fill) + kind
+    return -1
+
+
+@inlined_kernel
+def fill_series(lanes, kind, addresses, w):
+    """Fill the series of lanes in a kind of mode."""
+    places = COEFFICIENTS, 0, LAST_ORDER
+    if lanes.series.is_resident:
+        for number, fill in enumerate(lanes.series.fill):
+            if kind == number:
+                fill(w, places)
+    else:
+        call_at(addresses[kind], w, places)
+
+
+@inlined_kernel
+def fill_errors(lanes, kind, addresses, w):
+    """Fill the series of the errors of lanes; runs of a page carry none."""
+    if not lanes.series.is_resident:
+        call_at(addresses[len(lanes.series.fill) + kind], w, (ERROR, 0, COEFFICIENTS))
+
+
+@inlined_kernel
+def sample_series(lanes, w):
+    """Sum the tilt and the event quantities at the nodes of steps; see ``_SamplesWriter``."""
+    lanes.series.sample(w, (COEFFICIENTS, STEP_LENGTH, VALUES))

@@ -6,55 +6,62 @@ and samples, the candidates for events with their subintervals, and the state at
 Let g(θ) be a level, θ the fraction of the step. Between two samples it lies below their line by no
 more than its curvature bound: an eighth of the squared distance times the largest |g''|, which
 follows from the coefficients of the series. If the line stays above zero by more than this bound,
-there is no event in between. Kernels that loop over events come from event_kernels.py.
+there is no event in between.
 """
 
 from math import floor
 
 import numpy as np
 
-from model.compile.jit import inlined_kernel, kernel
-from model.compile.vector_code import WIDTH
-from model.engines.batch.series_layout import FRACTIONS, NODES, ORDER, REMAINDER, ROWS, SINES, TILT
+from model.compile.kernels import inlined_kernel, kernel
+from model.compile.vector_code import WIDTH, each_lane
+from model.engines.batch.lane_events import (
+    CURVATURE,
+    QUANTITIES,
+    is_partial,
+    quantity_line,
+    sample_levels,
+    sample_line,
+)
+from model.engines.batch.series_kernels import fill_errors, fill_series, sample_series
+from model.engines.batch.series_layout import LINES, NODES, ORDER, REMAINDER, SINES, TILT
 from model.engines.batch.workspace import (
     CANDIDATES,
     COEFFICIENTS,
     CONTACTS_AT,
     DEADLINE,
     END,
-    ERROR,
     LAST_ORDER,
-    LENGTH,
+    LINE,
     LONGEST,
-    STEP_FORCE,
-    STEP_TILT,
+    STEP_LENGTH,
     TIME,
     TOLERANCE,
     VALUES,
     constants_of_lane,
-    loads_of,
+    lowest_bit,
+    mode_of_lane,
     state_in_lane,
     store_state_in_lane,
 )
-from model.events.event_functions import FLAT, NEVER, ON_AN_EVENT, largest
-from model.events.friction import REST_SLIP, hold_sticking
-from model.physics.modes import CLOSED
+from model.events.event_functions import FLAT, NEVER, ON_AN_EVENT
+from model.events.friction import REST_SLIP, without_slip
 from model.physics.trigonometry import sine_cosine
 
 ALL_SUBINTERVALS = 15  # mask
+# Lines of states and places, of plane and of round parts.
+_LINES_OF_PLACES = tuple(range(CONTACTS_AT)), (*range(CONTACTS_AT), LINE["tips_depth"])
 LAST_TERMS = 4.0  # size of the last terms of a series over the tolerance; the remainder is smaller
 # Below this level of a landing corner, whose rise lanes do not hold, the reference engine decides.
 TOO_FLAT_TO_TELL = 10.0 * FLAT
-# The largest distance from a line through samples at a step's quarters, over the bound of |g''|.
-CURVATURE = FRACTIONS[0] ** 2 / 8.0
 
 
 @kernel
-def _set_sines(w):
+def _set_sines(lanes, w):
     """Write sine and cosine of the tilt and of the excitation's angle at the step's start."""
     first = COEFFICIENTS + SINES
-    for i in range(WIDTH):
-        p = constants_of_lane(w, i)
+    for i in each_lane():
+        p = constants_of_lane(lanes, w, i)
         s, c = sine_cosine(w[(COEFFICIENTS + TILT) * WIDTH + i])
         w[first * WIDTH + i], w[(first + 1) * WIDTH + i] = s, c
         s, c = sine_cosine(p.frequency * w[TIME * WIDTH + i] + p.phase)
@@ -62,7 +69,7 @@ def _set_sines(w):
 
 
 @inlined_kernel
-def _root(value, order):
+def nth_root(value, order):
     """Return ``value``^(1/``order``) of a positive value, to half a percent.
 
     The bits of a float, exponent before mantissa, approximate its logarithm.
@@ -76,7 +83,7 @@ def _root(value, order):
 
 
 @inlined_kernel
-def _step_of(order, admitted, w, i):
+def _step_of(lanes, order, admitted, w, i):
     """Step at which the largest term of an order, over 1 + |value|, equals ``admitted``.
 
     Terms of states and of places count: in flight the series of the states end sooner than the
@@ -84,30 +91,32 @@ def _step_of(order, admitted, w, i):
     divisions.
     """
     largest_size, its_scale = 1e-200, 1.0
-    for n in range(CONTACTS_AT):
-        size = abs(w[(COEFFICIENTS + order * ROWS + n) * WIDTH + i])
+    for n in _LINES_OF_PLACES[lanes.events.constants.is_round]:
+        size = abs(w[(COEFFICIENTS + order * LINES + n) * WIDTH + i])
         scale = 1.0 + abs(w[(COEFFICIENTS + n) * WIDTH + i])
         is_larger = size * its_scale > largest_size * scale
         largest_size = size if is_larger else largest_size
         its_scale = scale if is_larger else its_scale
-    return _root(admitted * its_scale / largest_size, order)
+    return nth_root(admitted * its_scale / largest_size, order)
 
 
 @kernel
-def _set_lengths(w):
+def _set_lengths(lanes, w):
     """Set the steps at which the larger of the last two terms equals the admissible error."""
-    for i in range(WIDTH):
+    for i in each_lane():
         admitted = LAST_TERMS * w[TOLERANCE * WIDTH + i]
-        step = min(_step_of(ORDER, admitted, w, i), _step_of(ORDER - 1, admitted, w, i))
+        step = min(
+            _step_of(lanes, ORDER, admitted, w, i), _step_of(lanes, ORDER - 1, admitted, w, i)
+        )
         step = min(step, w[LONGEST * WIDTH + i])
         time, deadline = w[TIME * WIDTH + i], w[DEADLINE * WIDTH + i]
-        w[LENGTH * WIDTH + i] = deadline - time if time + 1.0001 * step >= deadline else step
+        w[STEP_LENGTH * WIDTH + i] = deadline - time if time + 1.0001 * step >= deadline else step
 
 
 @inlined_kernel
-def curvature_bound(row, w, i):
-    """Return the bound of a row's distance from the line through two of its samples."""
-    return CURVATURE * w[(VALUES + NODES * SINES + row) * WIDTH + i]
+def curvature_bound(line, w, i):
+    """Return the bound of a quantity's distance from the line through two of its samples."""
+    return CURVATURE * w[(VALUES + NODES * SINES + line) * WIDTH + i]
 
 
 @inlined_kernel
@@ -147,170 +156,144 @@ def _subintervals(first, second, third, fourth):
 
 
 @inlined_kernel
-def _samples_of(events, which, w, i):
-    """Return a level at each node."""
-    at, n = (events.samples + which) * WIDTH + i, events.count * WIDTH
-    return w[at], w[at + n], w[at + 2 * n], w[at + 3 * n], w[at + 4 * n]
+def _levels_of(lanes, which, w, i):
+    """Return the level of an event at each node."""
+    return tuple(w[sample_line(lanes, which, node) * WIDTH + i] for node in range(NODES))
 
 
 @inlined_kernel
-def _lowest_of(samples):
-    inner = min(min(samples[1], samples[2]), samples[3])
-    return min(min(samples[0], samples[4]), inner)
-
-
-@inlined_kernel
-def screen_single(events, which, w, i):
-    """Return the bit of an event whose level, of one quantity, may reach zero; else 0."""
-    above = _lowest_of(_samples_of(events, which, w, i)) - w[(events.bounds + which) * WIDTH + i]
-    return 0.0 if above > 0.0 else float(1 << which)
-
-
-@inlined_kernel
-def _set_subintervals(events, which, mask, w, i):
-    w[(events.subintervals + which) * WIDTH + i] = mask
-    w[CANDIDATES * WIDTH + i] += float(1 << which) if mask > 0.0 else 0.0
-
-
-@inlined_kernel
-def find_single(events, which, candidates, w):
-    """Write the subintervals that may contain a down-crossing of a level of one quantity."""
-    if candidates & (1 << which) == 0:
-        return
-    for i in range(WIDTH):
-        g = _samples_of(events, which, w, i)
-        bound = w[(events.bounds + which) * WIDTH + i]
-        mask = _subintervals(
-            stays_above(g[0], g[1], bound), stays_above(g[1], g[2], bound),
-            stays_above(g[2], g[3], bound), stays_above(g[3], g[4], bound),
-        )  # fmt: skip
-        _set_subintervals(events, which, 0.0 if g[0] == NEVER else mask, w, i)
-
-
-@inlined_kernel
-def _quantities(events, which, w, i):
-    """Return the quantities of a level at each node."""
-    return (
-        events.quantities_in(which, VALUES, w, i),
-        events.quantities_in(which, VALUES + SINES, w, i),
-        events.quantities_in(which, VALUES + 2 * SINES, w, i),
-        events.quantities_in(which, VALUES + 3 * SINES, w, i),
-        events.quantities_in(which, VALUES + 4 * SINES, w, i),
+def _quantities_at(lanes, which, node, w, i):
+    """Return the quantities of an event at a node; their bounds, at node NODES."""
+    return tuple(
+        w[quantity_line(lanes, which, node, part) * WIDTH + i] for part in range(QUANTITIES)
     )
 
 
 @inlined_kernel
-def screen_combined(events, which, w):
-    """Sample the largest of several quantities, and screen it.
+def _screen_single(lanes, which, w):
+    """Add the bit of an event in lanes where its level, of one quantity, may reach zero."""
+    bit = float(1 << which)
+    for i in each_lane():
+        above = min(_levels_of(lanes, which, w, i)) - w[(lanes.bounds + which) * WIDTH + i]
+        w[CANDIDATES * WIDTH + i] += 0.0 if above > 0.0 else bit
+
+
+@inlined_kernel
+def _is_clear(lanes, which, part, least, w, i):
+    """Return whether a quantity stays above its bound, and above ``least``, at every node."""
+    values = tuple(w[quantity_line(lanes, which, n, part) * WIDTH + i] for n in range(NODES))
+    return min(values) > max(least, w[quantity_line(lanes, which, NODES, part) * WIDTH + i])
+
+
+@inlined_kernel
+def _screen_combined(lanes, which, w):
+    """Add the bit of an event in lanes where the largest of its quantities may reach zero.
 
     It stays above zero if one of the quantities does.
     """
-    n, node = WIDTH, events.count * WIDTH
-    first = (events.samples + which) * n
-    least = TOO_FLAT_TO_TELL if events.is_partial(which) else 0.0
-    for i in range(WIDTH):
-        applies = events.applies(which, constants_of_lane(w, i), events.mode_of_lane(w, i))
-        bounds = events.bounds_of(which, w, i)
-        q0, q1, q2, q3, q4 = _quantities(events, which, w, i)
-        g0, g1, g2 = largest(q0)[0], largest(q1)[0], largest(q2)[0]
-        g3, g4 = largest(q3)[0], largest(q4)[0]
-        w[first + i] = g0 if applies else NEVER
-        w[first + node + i], w[first + 2 * node + i] = g1, g2
-        w[first + 3 * node + i], w[first + 4 * node + i] = g3, g4
+    bit, least = float(1 << which), TOO_FLAT_TO_TELL if is_partial(lanes, which) else 0.0
+    for i in each_lane():
         is_clear = (
-            (_lowest_of((q0[0], q1[0], q2[0], q3[0], q4[0])) > max(least, bounds[0]))
-            | (_lowest_of((q0[1], q1[1], q2[1], q3[1], q4[1])) > max(least, bounds[1]))
-            | (_lowest_of((q0[2], q1[2], q2[2], q3[2], q4[2])) > max(least, bounds[2]))
-            | (_lowest_of((q0[3], q1[3], q2[3], q3[3], q4[3])) > max(least, bounds[3]))
+            _is_clear(lanes, which, 0, least, w, i)
+            | _is_clear(lanes, which, 1, least, w, i)
+            | _is_clear(lanes, which, 2, least, w, i)
+            | _is_clear(lanes, which, 3, least, w, i)
+            | (w[sample_line(lanes, which, 0) * WIDTH + i] == NEVER)
         )
-        bit = 0.0 if is_clear else float(1 << which)
-        w[CANDIDATES * n + i] += bit if applies else 0.0
+        w[CANDIDATES * WIDTH + i] += 0.0 if is_clear else bit
+
+
+@kernel
+def _screen(lanes, applicable, w):
+    """Write the candidates of each lane among the events that may apply."""
+    for i in each_lane():
+        w[CANDIDATES * WIDTH + i] = 0.0
+    while applicable != 0:
+        which = lowest_bit(applicable)
+        applicable &= applicable - 1
+        if which < lanes.events.combined:
+            _screen_combined(lanes, which, w)
+        else:
+            _screen_single(lanes, which, w)
 
 
 @inlined_kernel
-def find_combined(events, which, candidates, w):
-    """Write the subintervals that may contain a down-crossing of the largest of quantities."""
-    if candidates & (1 << which) == 0:
-        return
-    for i in range(WIDTH):
-        bounds = events.bounds_of(which, w, i)
-        q0, q1, q2, q3, q4 = _quantities(events, which, w, i)
+def _set_subintervals(lanes, which, mask, w, i):
+    w[(lanes.subintervals + which) * WIDTH + i] = mask
+    w[CANDIDATES * WIDTH + i] += float(1 << which) if mask > 0.0 else 0.0
+
+
+@inlined_kernel
+def _find_single(lanes, which, w):
+    """Write the subintervals that may contain a down-crossing of a level of one quantity."""
+    for i in each_lane():
+        g, bound = _levels_of(lanes, which, w, i), w[(lanes.bounds + which) * WIDTH + i]
         mask = _subintervals(
-            one_stays_above(q0, q1, bounds), one_stays_above(q1, q2, bounds),
-            one_stays_above(q2, q3, bounds), one_stays_above(q3, q4, bounds),
+            stays_above(g[0], g[1], bound), stays_above(g[1], g[2], bound),
+            stays_above(g[2], g[3], bound), stays_above(g[3], g[4], bound),
+        )  # fmt: skip
+        _set_subintervals(lanes, which, 0.0 if g[0] == NEVER else mask, w, i)
+
+
+@inlined_kernel
+def _find_combined(lanes, which, w):
+    """Write the subintervals that may contain a down-crossing of the largest of quantities."""
+    partial = is_partial(lanes, which)
+    for i in each_lane():
+        bounds = _quantities_at(lanes, which, NODES, w, i)
+        q = tuple(_quantities_at(lanes, which, node, w, i) for node in range(NODES))
+        mask = _subintervals(
+            one_stays_above(q[0], q[1], bounds), one_stays_above(q[1], q[2], bounds),
+            one_stays_above(q[2], q[3], bounds), one_stays_above(q[3], q[4], bounds),
         )  # fmt: skip
         # In a nearly flat part, a level at zero to rounding may already be negative.
-        g = _samples_of(events, which, w, i)
-        flat = events.is_partial(which) & (_lowest_of(g) < TOO_FLAT_TO_TELL)
-        mask = float(ALL_SUBINTERVALS) if flat else mask
-        _set_subintervals(events, which, 0.0 if g[0] == NEVER else mask, w, i)
-
-
-@inlined_kernel
-def _at_most(row, w, i):
-    """Upper bound of |row| in the step, from its samples and its curvature bound."""
-    first, node = (VALUES + row) * WIDTH + i, SINES * WIDTH
-    ends, inner = max(abs(w[first]), abs(w[first + 4 * node])), abs(w[first + 2 * node])
-    inner = max(inner, max(abs(w[first + node]), abs(w[first + 3 * node])))
-    return max(ends, inner) + curvature_bound(row, w, i)
-
-
-@inlined_kernel
-def _force_at_most(events, loads, w, i):
-    """Upper bound of the normal force on support or side in the step; see ``loads_of``."""
-    (edge_load, edge), (corner_load, corner) = loads
-    force = _at_most(edge_load, w, i) if edge == CLOSED else 0.0
-    if events.inserts == 1:
-        force += _at_most(corner_load, w, i) if corner == CLOSED else 0.0
-    return force
+        g = _levels_of(lanes, which, w, i)
+        mask = float(ALL_SUBINTERVALS) if partial & (min(g) < TOO_FLAT_TO_TELL) else mask
+        _set_subintervals(lanes, which, 0.0 if g[0] == NEVER else mask, w, i)
 
 
 @kernel
-def _set_largest(events, w):
-    """Write upper bounds of |tilt| and of normal forces in the step."""
+def _find(lanes, w):
+    """Write the candidates that remain, with their subintervals."""
+    candidates = 0
     for i in range(WIDTH):
-        support, side = loads_of(events.mode_of_lane(w, i))
-        w[STEP_TILT * WIDTH + i] = _at_most(TILT, w, i)
-        forces = _force_at_most(events, support, w, i), _force_at_most(events, side, w, i)
-        w[STEP_FORCE * WIDTH + i] = max(forces[0], forces[1])
+        candidates |= int(w[CANDIDATES * WIDTH + i])
+        w[CANDIDATES * WIDTH + i] = 0.0
+    while candidates != 0:
+        which = lowest_bit(candidates)
+        candidates &= candidates - 1
+        if which < lanes.events.combined:
+            _find_combined(lanes, which, w)
+        else:
+            _find_single(lanes, which, w)
 
 
 @kernel
-def _end_steps(events, w):
+def _end_steps(lanes, w):
     """Write the state at the end of every step, with sticking contacts at rest."""
-    for i in range(WIDTH):
+    for i in each_lane():
         end = state_in_lane(w, VALUES + (NODES - 1) * SINES, i)
-        end = hold_sticking(end, constants_of_lane(w, i), events.mode_of_lane(w, i))
+        end = without_slip(end, constants_of_lane(lanes, w, i), mode_of_lane(lanes, w, i))
         store_state_in_lane(end, w, END, i)
 
 
 @kernel
-def step_all(events, kind, applicable, control, w):
+def step_all(lanes, kind, applicable, control, addresses, w):
     """Make one step in every lane, and find the candidates for events in it.
 
-    ``applicable`` is the mask of the events that may apply in any lane. Upper bounds of tilt and
-    forces are written unless ``control`` asks for alignment only.
+    ``applicable`` is the mask of the events that may apply in any lane; ``addresses`` are those of
+    ``Series``.
     """
-    _set_sines(w)
+    _set_sines(lanes, w)
     carries_error = control.carries_error != 0.0
-    for i in range(WIDTH):
+    for i in each_lane():
         w[LAST_ORDER * WIDTH + i] = ORDER + REMAINDER * carries_error
-    events.fill_series(kind, w, COEFFICIENTS, 0, LAST_ORDER)
+    fill_series(lanes, kind, addresses, w)
     if carries_error:
-        events.fill_errors(kind, w, ERROR, 0, COEFFICIENTS)
-    _set_lengths(w)
-    events.sample_series(w, COEFFICIENTS, LENGTH, VALUES)
-    events.sample_lanes(applicable, w)
-    events.enter_bounds(applicable, w)
-    for i in range(WIDTH):
-        w[CANDIDATES * WIDTH + i] = 0.0
-    events.screen(events, applicable, w)
-    candidates = 0
-    for i in range(WIDTH):
-        candidates |= int(w[CANDIDATES * WIDTH + i])
-    for i in range(WIDTH):
-        w[CANDIDATES * WIDTH + i] = 0.0
-    events.find(events, candidates, w)
-    if control.alignment_only == 0.0:
-        _set_largest(events, w)
-    _end_steps(events, w)
+        fill_errors(lanes, kind, addresses, w)
+    _set_lengths(lanes, w)
+    sample_series(lanes, w)
+    sample_levels(lanes, applicable, w)
+    _screen(lanes, applicable, w)
+    _find(lanes, w)
+    _end_steps(lanes, w)

@@ -9,9 +9,10 @@ method.
 
 import numpy as np
 
-from model.compile.jit import inlined_kernel, kernel
+from model.compile.kernels import inlined_kernel, kernel
 from model.engines.scalar.step import interpolate, store_in
 from model.events.event_functions import NEVER, ON_AN_EVENT, largest
+from model.events.kernels import guard, is_conditional, level, quantities, sample_into
 
 NODE_PLACES = np.array([0.0, 1 / 64, 1 / 4, 1 / 2, 3 / 4, 63 / 64, 1.0])  # fractions of the step
 NODES = len(NODE_PLACES)
@@ -36,7 +37,7 @@ def sample_step(events, time, h, until, y, dense, p, mode, nodes, samples):
         theta = until * NODE_PLACES[i]
         q = interpolate(theta, h, y, dense)
         store_in(q, nodes[i])
-        events.sample_into(time + theta * h, q, p, mode, samples[i])
+        sample_into(events, time + theta * h, q, p, mode, samples[i])
 
 
 @kernel
@@ -44,8 +45,8 @@ def _value(events, which, part, theta, time, h, y, dense, p, mode):
     """Level ``which`` at the fraction ``theta``; its quantity ``part`` if that is not WHOLE."""
     q = interpolate(theta, h, y, dense)
     if part != WHOLE:
-        return events.quantities(which, time, q, p, mode)[part]
-    return events.level(which, time + theta * h, q, p, mode)
+        return quantities(events, which, time, q, p, mode)[part]
+    return level(events, which, time + theta * h, q, p, mode)
 
 
 @kernel
@@ -170,10 +171,10 @@ def _brief_crossing(events, which, f_low, low, high, time, h, y, dense, p, mode)
     The level, the largest of several quantities, is not negative at either sample, or starts at
     zero. Another quantity is the largest at the second sample: all may be negative in between.
     """
-    left, before = low, events.quantities(which, time, interpolate(low, h, y, dense), p, mode)
+    left, before = low, quantities(events, which, time, interpolate(low, h, y, dense), p, mode)
     for i in range(1, _STRETCHES + 1):
         right = low + (high - low) * i / _STRETCHES
-        after = events.quantities(which, time, interpolate(right, h, y, dense), p, mode)
+        after = quantities(events, which, time, interpolate(right, h, y, dense), p, mode)
         starting = int(largest(before)[1]) if i == 1 and f_low <= 0.0 else WHOLE
         theta = _all_met(
             events, which, starting, left, before, right, after, time, h, y, dense, p, mode
@@ -192,7 +193,7 @@ def _down_crossing(events, i, which, time, h, y, dense, p, mode, samples):
     """
     low, high = NODE_PLACES[i - 1], NODE_PLACES[i]
     f_low, f_high = samples[i - 1, which], samples[i, which]
-    if f_low < -ON_AN_EVENT and (i > 1 or (events.is_conditional(which) and f_high > f_low)):
+    if f_low < -ON_AN_EVENT and (i > 1 or (is_conditional(events, which) and f_high > f_low)):
         return NO_EVENT  # negative since the mode began, or since a zero that its guard refused
     if f_low < -ON_AN_EVENT and which < events.combined:
         return low  # parts that overlap when the level begins to apply meet at once
@@ -218,11 +219,11 @@ def _down_crossing(events, i, which, time, h, y, dense, p, mode, samples):
 
 
 @kernel
-def _passes_guard(events, which, theta, time, h, y, dense, p, mode):
+def _passes_guard(events, which, theta, h, y, dense, p, mode):
     """Return whether a zero of level ``which`` at θ is the event."""
-    if not events.is_conditional(which):
+    if not is_conditional(events, which):
         return True
-    return events.guard(which, time + theta * h, interpolate(theta, h, y, dense), p, mode)
+    return guard(events, which, interpolate(theta, h, y, dense), p, mode)
 
 
 @inlined_kernel
@@ -238,7 +239,7 @@ def first_event(events, time, h, y, dense, p, mode, samples):
             theta = _down_crossing(events, i, which, time, h, y, dense, p, mode, samples)
             if theta == NO_EVENT:
                 continue
-            if _passes_guard(events, which, theta, time, h, y, dense, p, mode):
+            if _passes_guard(events, which, theta, h, y, dense, p, mode):
                 if theta < first:
                     first, which_first = theta, which
                 break

@@ -1,19 +1,25 @@
 """Largest tilt and normal force inside a step, on its dense output."""
 
-from model.compile.jit import inlined_kernel, kernel
+from model.compile.kernels import inlined_kernel, kernel
 from model.engines.scalar.location import NODE_PLACES, NODES
 from model.engines.scalar.step import interpolate
+from model.events.event_functions import NEVER
+from model.events.kernels import sample_into
 
 _ITERATIONS = 20
 _CLOSE = 1e-5  # last correction of a peak's place, in steps: the error left is of its square
 _NEGLIGIBLE = 1e-7  # rise above the largest value so far that is not looked for, relative
 
 
+_TILT = -1  # in place of the number of an event
+
+
 @inlined_kernel
-def _sizes(events, tilt, sample):
-    """|tilt|, and the normal forces on support, left and right side; forces may be negative."""
-    support, side = events.support_force(sample), events.side_force(sample)
-    return abs(tilt), support, side, events.right_force(sample)
+def _size(which, tilt, sample):
+    """|tilt|, or the normal force of an event; it may be negative, and is 0 where there is none."""
+    if which == _TILT:
+        return abs(tilt)
+    return sample[which] if sample[which] != NEVER else 0.0
 
 
 @kernel
@@ -21,7 +27,7 @@ def _peak(
     events, which, known, left, middle, right, f_left, f_middle, f_right,
     time, h, y, dense, p, mode, scratch,
 ):  # fmt: skip
-    """Maximum of one of the ``_sizes`` between two fractions of the step, on its dense output.
+    """Maximum of a ``_size`` between two fractions of the step, on its dense output.
 
     Iterates parabolas through the three highest points, and gives up when they stay below the
     ``known`` value. The maximum returned is a value that the size has.
@@ -39,8 +45,8 @@ def _peak(
             break
         theta = middle + move
         q = interpolate(theta, h, y, dense)
-        events.sample_into(time + theta * h, q, p, mode, scratch)
-        f = _sizes(events, q.tilt, scratch)[which]
+        sample_into(events, time + theta * h, q, p, mode, scratch)
+        f = _size(which, q.tilt, scratch)
         at, value = (theta, f) if f <= f_middle else (middle, f_middle)
         if (theta < middle) == (f <= f_middle):
             left, f_left = at, value
@@ -54,11 +60,19 @@ def _peak(
 def _highest(
     events, which, known, part, time, h, y, dense, p, mode, nodes, samples, scratch
 ):  # fmt: skip
-    """The larger of a ``known`` value and the peaks of one of the ``_sizes`` at inner nodes."""
+    """The larger of a ``known`` value and the largest ``_size`` up to a ``part`` of a step."""
+    lowest = highest = _size(which, nodes[0, 2], samples[0])
+    for i in range(1, NODES):
+        here = _size(which, nodes[i, 2], samples[i])
+        lowest, highest = min(lowest, here), max(highest, here)
+    known = max(known, highest)
+    # A peak between samples rises above them by less than they differ.
+    if not 2.0 * highest - lowest > known:
+        return known
     for i in range(1, NODES - 1):
-        left = _sizes(events, nodes[i - 1, 2], samples[i - 1])[which]
-        here = _sizes(events, nodes[i, 2], samples[i])[which]
-        right = _sizes(events, nodes[i + 1, 2], samples[i + 1])[which]
+        left = _size(which, nodes[i - 1, 2], samples[i - 1])
+        here = _size(which, nodes[i, 2], samples[i])
+        right = _size(which, nodes[i + 1, 2], samples[i + 1])
         if left <= here >= right and 2.0 * here - min(left, right) > known:
             peak = _peak(
                 events, which, known,
@@ -69,30 +83,15 @@ def _highest(
     return known
 
 
-@kernel
-def largest_in(
-    events, part, time, h, y, dense, p, mode, nodes, samples, scratch, tilt, force
-):  # fmt: skip
-    """(largest |tilt|, largest normal force) of a step up to its fraction ``part``, and so far.
+@inlined_kernel
+def largest_tilt(events, known, *step):
+    """Return the largest |tilt| of a step, or the ``known`` one; NaN if that is NaN."""
+    return _highest(events, _TILT, known, *step)
 
-    ``tilt`` and ``force`` are the largest values so far; NaN if they are not computed.
-    """
-    t, a, b, c = _sizes(events, nodes[0, 2], samples[0])
-    t_low, a_low, b_low, c_low = t, a, b, c
-    for i in range(1, NODES):
-        here = _sizes(events, nodes[i, 2], samples[i])
-        t, a, b, c = max(t, here[0]), max(a, here[1]), max(b, here[2]), max(c, here[3])
-        t_low, a_low = min(t_low, here[0]), min(a_low, here[1])
-        b_low, c_low = min(b_low, here[2]), min(c_low, here[3])
-    rest = part, time, h, y, dense, p, mode, nodes, samples, scratch
-    tilt, force = max(tilt, t), max(force, max(a, max(b, c)))
-    # A peak between samples rises above them by less than they differ.
-    if 2.0 * t - t_low > tilt:
-        tilt = _highest(events, 0, tilt, *rest)
-    if 2.0 * a - a_low > force:
-        force = _highest(events, 1, force, *rest)
-    if 2.0 * b - b_low > force:
-        force = _highest(events, 2, force, *rest)
-    if 2.0 * c - c_low > force:
-        force = _highest(events, 3, force, *rest)
-    return tilt, force
+
+@inlined_kernel
+def largest_force(events, number, known, *step):
+    """Return the largest normal force of a step, the level of an event, or the ``known`` one."""
+    if step[-2][0, number] == NEVER:
+        return known
+    return _highest(events, number, known, *step)

@@ -5,23 +5,11 @@ Norsett and Wanner, Solving Ordinary Differential Equations I, sect. II.5 and II
 """
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-
-
-class Method(NamedTuple):
-    """A tableau as kernels take it; see ``Tableau`` for the shapes."""
-
-    stages: int
-    order: int
-    a: Array
-    c: Array
-    error: Array
-    dense: Array
 
 
 @dataclass(frozen=True)
@@ -73,11 +61,6 @@ class Tableau:
         for message, holds in checks.items():
             if not holds:
                 raise ValueError(f"tableau {self.name}: {message}")
-
-    @property
-    def method(self) -> Method:
-        """The form that kernels take."""
-        return Method(self.stages, self.order, self.a, self.c, self.error, self.dense)
 
 
 def _rows(rows: tuple[dict[int, float], ...]) -> Array:

@@ -183,7 +183,7 @@ def _model(
         "units": units is not None,
         "interface": interface,
         "control": dict(
-            zip(interface["control"], (settings.tolerance, *settings.control), strict=True)
+            zip(interface["limits"], (settings.tolerance, *settings.control), strict=True)
         ),
         "baseline": _values(units, baseline),
         "outcomes": {int(each): text for each, text in OUTCOME_TEXT.items()},

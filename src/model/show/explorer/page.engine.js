@@ -1,10 +1,10 @@
 // The engines: WebAssembly modules compiled from the same kernels that Python runs.
 
 /**
- * @typedef {{stack: number, memory: number}} Layout
- * @typedef {{parameters: string[], columns: string[], results: string[], control: string[],
- *   defaults: number[], events: string[], constants: number,
- *   functions: Record<string, Layout>}} Interface
+ * @typedef {{name: string, length: number | "sets" | "rows", size: number}} Argument
+ * @typedef {{stack: number, arguments: Argument[]}} Layout
+ * @typedef {{parameters: string[], columns: string[], results: string[], limits: string[],
+ *   defaults: number[], events: string[], functions: Record<string, Layout>}} Interface
  * @typedef {{results: Float64Array, track: Float64Array}} Found
  * @typedef {(sets: number[][], control: Record<string, number>, rows?: number) => Found} Engine
  */
@@ -25,7 +25,7 @@ async function unpacked(text) {
  */
 async function engineOf(binary, name, about) {
   const memory = new WebAssembly.Memory({ initial: 4 });
-  const { stack, memory: scratch } = about.functions[name];
+  const { stack, arguments: layout } = about.functions[name];
   const { instance } = await WebAssembly.instantiate(binary, {
     env: {
       __linear_memory: memory,
@@ -34,26 +34,34 @@ async function engineOf(binary, name, about) {
       exp2: (/** @type {number} */ power) => Math.pow(2, power),
     },
   });
-  const run = /** @type {Function} */ (instance.exports[name]);
-  const fields = about.results.length;
+  const run = /** @type {Function} */ (instance.exports.run);
   return (sets, control, rows = 0) => {
-    const one = name === "run_one";
-    const room = one ? rows * about.columns.length : sets.length * (about.constants + 1);
-    // numba's own results come first: a function's value and its error.
-    const sizes = [2, sets.length * about.parameters.length, about.control.length, room, sets.length * fields, scratch];
-    const places = [stack];
-    for (const size of sizes) places.push(places[places.length - 1] + 8 * LINE * Math.ceil(size / LINE));
-    const missing = places[sizes.length] - memory.buffer.byteLength;
+    const lengths = layout.map(({ length }) => (length === "sets" ? sets.length : length === "rows" ? rows : length));
+    const words = stack + 8 * LINE; // after the result of the call
+    let end = words + 8 * LINE * Math.ceil((2 * layout.length) / LINE);
+    const places = layout.map(({ size }, n) => {
+      const place = end;
+      end += 8 * LINE * Math.ceil((lengths[n] * size) / LINE);
+      return place;
+    });
+    const missing = end - memory.buffer.byteLength;
     if (missing > 0) memory.grow(Math.ceil(missing / PAGE_BYTES));
-    const numbers = new Float64Array(memory.buffer);
-    const [value, given, limits, out, results, work] = places;
-    sets.forEach((set, n) => numbers.set(set, given / 8 + n * about.parameters.length));
-    about.control.forEach((each, n) => { numbers[limits / 8 + n] = control[each] ?? about.defaults[n]; });
-    const status = run(value, value + 8, given, limits, one ? rows : sets.length, out, results, work);
-    if (status !== 0) throw new Error(`the engine stopped with status ${status}`);
-    return {
-      results: numbers.slice(results / 8, results / 8 + sizes[4]),
-      track: one ? numbers.subarray(out / 8, out / 8 + room) : new Float64Array(0),
+    const numbers = new Float64Array(memory.buffer), view = new DataView(memory.buffer);
+    numbers.fill(0, words / 8, end / 8);
+    layout.forEach((_, n) => {
+      view.setUint32(words + 16 * n, places[n], true);
+      view.setUint32(words + 16 * n + 8, lengths[n], true);
+    });
+    /** @param {string} argument */
+    const at = (argument) => layout.findIndex((each) => each.name === argument);
+    /** @param {string} argument */
+    const found = (argument) => {
+      const n = at(argument);
+      return n < 0 ? new Float64Array(0) : numbers.subarray(places[n] / 8, places[n] / 8 + lengths[n] * layout[n].size);
     };
+    sets.forEach((set, n) => found("given").set(set, n * about.parameters.length));
+    about.limits.forEach((each, n) => { found("limits")[n] = control[each] ?? about.defaults[n]; });
+    run(words, stack);
+    return { results: found("results").slice(), track: found("track") };
   };
 }

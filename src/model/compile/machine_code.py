@@ -1,0 +1,94 @@
+"""Machine code: LLVM optimises a module's text and writes an object, which is loaded.
+
+Kernels may use the widest vectors of the processor. LLVM prefers 256 bits on processors with 512,
+which may then run at a higher clock; the loops of the batch engine gain more from the width.
+"""
+
+import functools
+import os
+import threading
+from typing import Any, NamedTuple
+
+import llvmlite.binding as llvm
+
+_LOADED: dict[str, tuple[int, Any]] = {}  # address and owner of the machine code, by name
+_LOADING = threading.Lock()
+
+
+class Processor(NamedTuple):
+    """The processor for which machine code is written, by LLVM's name and features."""
+
+    name: str
+    features: str
+
+
+@functools.cache
+def processor() -> Processor:
+    """Return this processor, or the one that ``VIBRALIGN_CPU`` names, with its least features."""
+    if name := os.environ.get("VIBRALIGN_CPU"):
+        return Processor(name, "")
+    features = str(llvm.get_host_cpu_features().flatten())
+    # Another processor may not know the preference.
+    wide = ",-prefer-256-bit" if "+avx512f" in features else ""
+    return Processor(llvm.get_host_cpu_name(), features + wide)
+
+
+def written_for() -> str:
+    """Return what machine code depends on besides its text."""
+    return f"LLVM {llvm.llvm_version_info}, {llvm.get_process_triple()}, {processor()}"
+
+
+def _machine() -> Any:
+    """Return LLVM's target machine of the processor; each thread needs one of its own."""
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    target = llvm.Target.from_triple(llvm.get_process_triple())
+    name, features = processor()
+    return target.create_target_machine(cpu=name, features=features, opt=3, jit=True)
+
+
+def object_of(text: str, is_finished: bool) -> bytes:
+    """Return the object for a module's text, optimised unless it ``is_finished``.
+
+    Finished code is vectorised and ordered already: only instructions are combined.
+    """
+    machine = _machine()
+    module = optimised(text, machine, is_finished)
+    written: bytes = machine.emit_object(module)
+    return written
+
+
+def optimised(text: str, machine: Any, is_finished: bool, context: Any = None) -> Any:
+    """Return LLVM's module for a text, optimised for a target machine."""
+    module = llvm.parse_assembly(text, context or llvm.create_context())
+    module.triple, module.data_layout = machine.triple, str(machine.target_data)
+    options = llvm.create_pipeline_tuning_options(speed_level=3)
+    options.loop_vectorization, options.slp_vectorization = True, False
+    builder = llvm.create_pass_builder(machine, options)
+    if is_finished:
+        passes = llvm.create_new_function_pass_manager()
+        passes.add_instruction_combine_pass()
+        for each in module.functions:
+            passes.run(each, builder)
+    else:
+        builder.getModulePassManager().run(module, builder)
+    return module
+
+
+def load(name: str, machine_code: bytes) -> int:
+    """Load an object and return the address of its function ``name``, which others may then call.
+
+    What it calls in other objects must have been loaded before.
+    """
+    with _LOADING:
+        if name not in _LOADED:
+            machine = _machine()
+            engine = llvm.create_mcjit_compiler(
+                llvm.parse_assembly("", llvm.create_context()), machine
+            )  # fmt: skip
+            engine.add_object_file(llvm.ObjectFileRef.from_data(machine_code))
+            engine.finalize_object()
+            address = engine.get_function_address(name)
+            llvm.add_symbol(name, address)
+            _LOADED[name] = address, engine
+        return _LOADED[name][0]
