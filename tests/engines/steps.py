@@ -23,16 +23,16 @@ interpolate = compiled(step.interpolate)
 
 @compiled
 @kernel
-def take_step(time, h, y, row, mode, k, end):
-    p = constants_in(row)
+def take_step(events, time, h, y, row, mode, k, end):
+    p = constants_in(events, row)
     step.right_hand_side(time, y, p, mode, k[0])
     step.take_step(time, h, y, p, mode, k, end)
 
 
 @compiled
 @kernel
-def take_dense_step(time, h, y, row, mode, k, end, trial, dense):
-    p = constants_in(row)
+def take_dense_step(events, time, h, y, row, mode, k, end, trial, dense):
+    p = constants_in(events, row)
     step.right_hand_side(time, y, p, mode, k[0])
     step.take_step(time, h, y, p, mode, k, end)
     step.dense_output(time, h, y, p, mode, k, trial, dense)
@@ -41,7 +41,7 @@ def take_dense_step(time, h, y, row, mode, k, end, trial, dense):
 @compiled
 @kernel
 def locate(events, time, h, y, dense, row, mode, nodes, samples):
-    p = constants_in(row)
+    p = constants_in(events, row)
     location.sample_step(events, time, h, 1.0, y, dense, p, mode, nodes, samples)
     return location.first_event(events, time, h, y, dense, p, mode, samples)
 
@@ -49,13 +49,13 @@ def locate(events, time, h, y, dense, row, mode, nodes, samples):
 @compiled
 @kernel
 def level_at(events, which, time, y, row, mode):
-    return kernels.level(events, which, time, step.state_of(y), constants_in(row), mode)
+    return kernels.level(events, which, time, step.state_of(y), constants_in(events, row), mode)
 
 
 @compiled
 @kernel
-def hold(y, row, mode):
-    step.store_in(friction.hold_sticking(step.state_of(y), constants_in(row), mode), y)
+def hold(events, y, row, mode):
+    step.store_in(friction.hold_sticking(step.state_of(y), constants_in(events, row), mode), y)
 
 
 class Steps:
@@ -70,12 +70,13 @@ class Steps:
 
     def step(self, time, h, y, mode):
         """The state after a step of length ``h``."""
-        take_step(time, h, y, self.row, mode, self.k, self.end)
+        take_step(ALIGNMENT_EVENTS, time, h, y, self.row, mode, self.k, self.end)
         return self.end.copy()
 
     def dense_step(self, time, h, y, mode):
         """As ``step``; fills the dense output."""
-        take_dense_step(time, h, y, self.row, mode, self.k, self.end, self.trial, self.dense)
+        arrays = self.k, self.end, self.trial, self.dense
+        take_dense_step(ALIGNMENT_EVENTS, time, h, y, self.row, mode, *arrays)
         return self.end.copy()
 
     def first_event(self, time, h, y, mode):
@@ -91,7 +92,7 @@ class Steps:
     def held(self, y, mode):
         """The state ``y`` with sticking contacts at rest."""
         y = y.copy()
-        hold(y, self.row, mode)
+        hold(ALIGNMENT_EVENTS, y, self.row, mode)
         return y
 
     def pass_event(self, which, time, y, mode):
