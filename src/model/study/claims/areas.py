@@ -123,20 +123,20 @@ def rows_with_safe_cells(of: Flags, over: Array, by: Array, within: float, until
 def safe_in_both(of: Flags, over: Array, by: Array, plane: Array, within: float) -> float:
     """Return the share of the places ``over`` with a cell in both planes around which all align."""
     planes = [_safe(_cells(*each)[0], within).any(axis=0) for each in lines(plane, of, over, by)]
-    return share(planes[0] & planes[1]) if len(planes) > 1 else NAN
+    return share(np.asarray(np.all(planes, axis=0))) if len(planes) > 1 else NAN
 
 
 def _last(of: Flags, over: Array) -> float:
-    """Return where the last run ends that has at least a twentieth of the rows; NaN without one."""
-    ends = [end for first, end in runs_of(of) if end - first >= 0.05 * of.size]
+    """Return where the last run ends that has a twentieth of the rows, and two; NaN without one."""
+    ends = [end for first, end in runs_of(of) if end - first >= max(2.0, 0.05 * of.size)]
     return float(over[ends[-1] - 1]) if ends else NAN
 
 
 def shift_of_peak(of: Flags, over: Array, by: Array) -> float:
     """Return by how much the end of the last flagged run differs between rows, over the axis.
 
-    The 90 % less the 10 % quantile. A run has at least a twentieth of a row: single cells decide
-    nothing.
+    The 90 % less the 10 % quantile. A run has at least two cells, and a twentieth of a row: single
+    cells decide nothing.
     """
     ends = np.array([_last(*line) for line in lines(by, of, over)])
     ends = ends[np.isfinite(ends)]
