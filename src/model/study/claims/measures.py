@@ -231,11 +231,6 @@ def farthest_beside(of: Array, beside: Flags) -> float:
     return ratio(_largest(of[~beside]), median(of[beside]))
 
 
-def least_beside(of: Array, beside: Flags) -> float:
-    """Return the least value over the usual one beside."""
-    return -farthest_beside(np.where(beside, of, -of), beside)
-
-
 def distance_in_shape(of: Array, over: Array, by: Array, beside: Flags) -> float:
     """Return the least distance in shape between a curve and one beside.
 
