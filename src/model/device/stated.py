@@ -15,6 +15,7 @@ from model.device.holder import RATIOS, with_damping
 from model.device.plausibility import check_place, check_press, doubts
 from model.physics.parameters import FIELDS, PARAMETER_NAMES, Parameters, Shape, check_name
 from model.physics.rest import Start
+from model.physics.tables import Value, vars_of
 from model.physics.units import UNITS, Device, Units, device
 from model.runs.settings import Settings
 from model.sweeps.files import read_text
@@ -35,8 +36,8 @@ class DeviceError(ValueError):
     """A file that states no valid device."""
 
 
-@dataclass(frozen=True)
-class StatedDevice:
+@dataclass(frozen=True, eq=False, repr=False)
+class StatedDevice(Value):
     """A device as its file states it, in SI units.
 
     Attributes:
@@ -65,6 +66,14 @@ class StatedDevice:
     shape: Shape | None = None
     horizon: float | None = None
     insertion_depth: float | None = None
+
+    def __repr__(self) -> str:
+        changes = "".join(f", {name}={value}" for name, value in self.changes.items())
+        return f"<StatedDevice: {self.source}{changes}>"
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what copies and pickles hold: nothing that is computed from it."""
+        return vars_of(self)
 
     @cached_property
     def device(self) -> Device:

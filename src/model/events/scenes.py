@@ -5,7 +5,7 @@ missing physics.
 """
 
 from dataclasses import dataclass, field
-from typing import Literal, NamedTuple, get_args
+from typing import Any, Literal, NamedTuple, get_args
 
 from model.events.table import EVENTS, Table
 
@@ -38,10 +38,31 @@ class Scene:
                 f"valid are {', '.join(CONTACT_NAMES)}"
             )
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Return what copies and pickles are made of: the table of events goes by its name."""
+        for name, table in _tables().items():
+            if self.events is table:
+                return _scene_of, (self.name, self.contacts, name)
+        raise TypeError(
+            f"scene {self.name!r} has a table of events of its own, which cannot be copied or "
+            "pickled: make the scene in each process"
+        )
+
     @property
     def declared(self) -> "Declared":
         """The declared contacts in the form that kernels take."""
         return Declared(*(name in self.contacts for name in CONTACT_NAMES))
+
+
+def _tables() -> dict[str, Table]:
+    from model.events.insertion import TABLE  # noqa: PLC0415 - it builds upon this module
+
+    return {"alignment": EVENTS, "insertion": TABLE}
+
+
+def _scene_of(name: str, contacts: frozenset[ContactName], table: str) -> Scene:
+    """Return a scene with the table of events of that name."""
+    return Scene(name, contacts, _tables()[table])
 
 
 class Declared(NamedTuple):
