@@ -1,6 +1,7 @@
 """Studies of devices: one call from devices and ranges with units to a dataset in SI units."""
 
 import json
+import math
 import numbers
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, fields
@@ -10,11 +11,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from model.device.amounts import read_amount, read_range
+from model.device.amounts import read_values
 from model.device.batches import by_settings, devices_of, rows_of
 from model.device.maps import corners_of, quantity_attributes
+from model.device.plausibility import check_press
 from model.device.runs import IN_SI, AnyDevice, Device, devices_in, with_changes
-from model.device.spelling import ends_of, plain
 from model.device.stated import QUANTITIES, StatedDevice, unit_of
 from model.engines.results import RESULTS, VALUE_TYPES
 from model.events.outcomes import Outcome
@@ -35,7 +36,6 @@ from model.sweeps.io import described, parameter_attributes, result_attributes, 
 Axes = Mapping[str, NDArray[np.float64]]
 
 _OF_INSERTION = ("tau_inserted", "insertion_error")
-_DIGITS = 12  # of the values of a range, so that decimal steps read as decimals
 
 
 def sweep(
@@ -82,7 +82,10 @@ def sweep(
         if not isinstance(changes[name], str):
             rule = f"must be a text with a unit, such as '1 {IN_SI[name].unit}'"
             raise ValueError(f"{name} = {changes[name]!r}: {rule}")  # noqa: TRY004 - by its value
-    values = {name: _values(name, v, is_stated, int(points)) for name, v in varied.items()}
+    for name in varied:
+        check_name(name, QUANTITIES if is_stated else PARAMETER_NAMES, "quantity of a device")
+    units = {name: unit_of(name) if is_stated else "1" for name in varied}
+    values = {name: read_values(name, v, units[name], int(points)) for name, v in varied.items()}
     for one, _ in devices:
         _check(one, values)
     parts = [_study(one, own, values, cores) for one, own in devices]
@@ -99,32 +102,6 @@ def sweep(
     return described(found.assign_attrs(assumptions=as_attribute(at_corners(words))))
 
 
-def _values(name: str, given: Any, is_stated: bool, points: int) -> NDArray[np.float64]:
-    """Return the values of an axis, shape (n,), or of a quantity that is held, shape ()."""
-    check_name(name, QUANTITIES if is_stated else PARAMETER_NAMES, "quantity of a device")
-    unit = unit_of(name) if is_stated else "1"
-    if isinstance(given, str) and ends_of(plain(given)):
-        low, high = read_range(name, given, unit)
-        return np.array([float(f"{v:.{_DIGITS}g}") for v in np.linspace(low, high, points)])
-    if hasattr(given, "magnitude"):
-        raise ValueError(f"{name} = {given}: give numbers in {unit}, or texts such as '1 {unit}'")
-    each = given if isinstance(given, str) else np.asarray(given, dtype=object).tolist()
-    if isinstance(each, list) and (not each or len({*map(str, each)}) < len(each)):
-        raise ValueError(f"{name} = {given!r}: must be distinct values, at least one")
-    return np.array(
-        [_amount(name, one, unit) for one in each]
-        if isinstance(each, list)
-        else _amount(name, each, unit)
-    )
-
-
-def _amount(name: str, given: object, unit: str) -> float:
-    amount = read_amount(name, given, unit)
-    if amount.tolerance is not None:
-        raise ValueError(f"{name} = {given!r}: a value of an axis has no tolerance")
-    return amount.value
-
-
 def _lists(axes: Axes) -> dict[str, list[float]]:
     return {name: np.atleast_1d(values).tolist() for name, values in axes.items()}
 
@@ -136,6 +113,7 @@ def _check(device: Device, axes: Axes) -> None:
     alone = [first | {name: value} for name, values in lists.items() for value in values]
     for each in [*corners_of(lists), *alone]:
         if isinstance(device, StatedDevice):
+            check_press(each.get("press_force", math.inf))
             device.at(each)
         else:
             device.replace(**each)

@@ -21,6 +21,7 @@ from model.device.reliability import are_reliable
 from model.device.runs import AnyDevice, as_run, device_of
 from model.events.insertion import INSERTION
 from model.physics.parameters import Batch
+from model.physics.tables import Value
 from model.runs.settings import Settings
 from model.runs.simulate import Trajectory, simulate_once
 from model.sweeps.settings import Ensemble
@@ -33,8 +34,8 @@ _HOPPING = 8  # number of starts whose touch-downs are examined
 _SAME_TIME = 0.02  # relative difference below which two times count as equal
 
 
-@dataclass(frozen=True)
-class BaseVerdict:
+@dataclass(frozen=True, eq=False, repr=False)
+class BaseVerdict(Value):
     """Results of a device on one base, from every start; dimensionless.
 
     Attributes:
@@ -70,8 +71,8 @@ class BaseVerdict:
         )
 
 
-@dataclass(frozen=True)
-class Assessment:
+@dataclass(frozen=True, eq=False, repr=False)
+class Assessment(Value):
     """Results of a device from every start and on its bases, dimensionless, and its leeways.
 
     Attributes:
@@ -100,6 +101,11 @@ class Assessment:
     leeways: tuple[Leeway, ...] = ()
     nearest: tuple[Nearest, ...] = ()
     bases: tuple[BaseVerdict, ...] = ()
+
+    def __repr__(self) -> str:
+        words = "reliable" if self.reliable else "not reliable"
+        words = "depends on the base" if self.depends_on_base else words
+        return f"<Assessment: {words}, goes in from {self.aligned} of {self.starts} starts>"
 
     @property
     def reliable(self) -> bool:

@@ -13,9 +13,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from model.device import StatedDevice
+from model.device.amounts import read_amount
 from model.device.batches import Values, by_settings, devices_of, rows_of
 from model.device.runs import AnyDevice, devices_in
-from model.device.stated import QUANTITIES
+from model.device.stated import QUANTITIES, unit_of
 from model.events.insertion import INSERTION
 from model.physics.parameters import PARAMETER_NAMES, Parameters, check_name
 from model.physics.tables import Value
@@ -131,7 +132,7 @@ def reliable_at(
         settings: settings of the runs; None for the defaults, in the insertion scene.
         cores: number of threads.
         **quantities: what varies together, each of shape (n,), such as
-            ``press_force=[8.0, 10.0, 12.0]``; in SI units for a device of a file.
+            ``press_force=[8.0, 10.0, "12 N"]``; numbers in SI units for a device of a file.
 
     Raises:
         TypeError: no device.
@@ -144,13 +145,17 @@ def reliable_at(
         each = [reliable_at(one, settings, cores=cores) for one in devices]
         return np.concatenate([np.empty(0, np.bool_), *each])
     (device,) = devices
-    values = {n: np.atleast_1d(np.asarray(v, dtype=np.float64)) for n, v in quantities.items()}
-    if len({each.shape for each in values.values()}) > 1:
-        shapes = ", ".join(f"{name}: {each.size}" for name, each in values.items())
-        raise ValueError(f"quantities must have one common length, got {shapes}")
     stated = isinstance(device, StatedDevice)
     for name in quantities:
         check_name(name, QUANTITIES if stated else PARAMETER_NAMES, "quantity of a device")
+    units = {name: unit_of(name) if stated else "1" for name in quantities}
+    values = {
+        name: np.array([read_amount(name, v, units[name]).value for v in np.ravel(given).tolist()])
+        for name, given in quantities.items()
+    }
+    if len({each.shape for each in values.values()}) > 1:
+        shapes = ", ".join(f"{name}: {each.size}" for name, each in values.items())
+        raise ValueError(f"quantities must have one common length, got {shapes}")
     parameters = device.parameters if isinstance(device, StatedDevice) else device
     values = values or {"friction": np.array([parameters.friction])}
     settings = settings or Settings(scene=INSERTION)

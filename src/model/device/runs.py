@@ -4,7 +4,7 @@ A device of a file runs as the file states it: its start, its shape, and a horiz
 units, unless the settings state another.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -29,7 +29,7 @@ IN_SI: dict[str, Quantity] = {"horizon": TIME, "insertion_depth": LENGTH}
 """Settings that may be texts with a unit, such as ``horizon="3 s"``, for a device in SI units."""
 
 
-def device_of(given: AnyDevice) -> Device:
+def device_of(given: object) -> Device:
     """Return a device; a text or path is that of its file.
 
     Raises:
@@ -52,7 +52,7 @@ def devices_in(given: AnyDevice | Iterable[AnyDevice]) -> list[Device]:
     Raises:
         TypeError, DeviceError: as ``device_of``.
     """
-    if isinstance(given, str) or not isinstance(given, Iterable):
+    if isinstance(given, (str, Mapping)) or not isinstance(given, Iterable):
         return [device_of(given)]
     return [device_of(each) for each in given]
 

@@ -126,21 +126,25 @@ class StatedDevice(Value):
         pair = None if stated is None else pair_of(stated)
         return with_base(with_damping({**kept, **changes}), pair)
 
-    def changed(self, **changes: float) -> "StatedDevice":
-        """Return the device with other values (SI units) and the same tolerances.
+    def changed(self, **changes: float | str) -> "StatedDevice":
+        """Return the device with other values and the same tolerances.
+
+        Numbers are in SI units; a text has a unit, and may state another tolerance.
 
         Quantities that the new values replace, such as ``materials``, go with their tolerances.
 
         Raises:
-            ValueError: an unknown quantity.
+            ValueError: an unknown quantity, or a text that is no amount.
         """
         for name in changes:
             check_name(name, QUANTITIES, "quantity of a device")
+        values, tolerances = _amounts(changes)
         replaced = _replaced_by(changes)
         return replace(
             self,
-            quantities={n: v for n, v in self.quantities.items() if n not in replaced} | changes,
-            tolerances={n: each for n, each in self.tolerances.items() if n not in replaced},
+            quantities={n: v for n, v in self.quantities.items() if n not in replaced} | values,
+            tolerances={n: each for n, each in self.tolerances.items() if n not in replaced}
+            | tolerances,
             materials=None if "materials" in replaced else self.materials,
             changes={**self.changes, **changes},
         )

@@ -150,4 +150,7 @@ def settings_with(settings: Settings | None, changes: dict[str, Any]) -> Setting
         raise TypeError(f"settings = {settings!r}: must be a Settings")
     for name in changes:
         check_name(name, [each.name for each in fields(Settings)], "setting")
+    if isinstance(scene := changes.get("scene"), str):
+        check_name(scene, [*SCENES], "scene")
+        changes = {**changes, "scene": SCENES[scene]}
     return replace(settings or Settings(), **changes)
