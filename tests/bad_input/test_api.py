@@ -28,7 +28,7 @@ CALLS = {
         lambda p: align([p], readings=Variants.printed(), engine="batch"), ["batch", "scalar"],
     ),
     "something else than parameters": (lambda _: align([{"friction": 0.1}]), ["Parameters"]),
-    "no device": (align, ["Parameters", "load_device", "float"]),
+    "no device": (lambda _: align(0.3), ["Parameters", "load_device", "float"]),
     "quantities in place of devices": (lambda _: align({"mass": 0.3}), ["Parameters", "dict"]),
     "a scene that is none": (lambda p: simulate(p, scene="inserting"), ["insertion", "alignment"]),
     "many sets in place of one": (lambda p: simulate([p]), ["Parameters"]),
