@@ -7,12 +7,11 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from model import load_device, simulate
 from model.cli import main as cli
-from model.device import load_device
 from model.events.insertion import INSERTION
 from model.events.outcomes import Outcome
 from model.runs.settings import Settings
-from model.runs.simulate import simulate
 from model.study.config import baseline
 from model.sweeps import sweep
 

@@ -12,6 +12,9 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any, Literal
 
+import numpy as np
+from numpy.typing import NDArray
+
 from model.device.spelling import NUMBER, clearer, ends_of, plain, spelled
 from model.physics.parameters import FIELDS
 
@@ -116,6 +119,32 @@ def read_range(name: str, given: object, unit: str) -> tuple[float, float]:
     if not low < high:
         raise ValueError(f"{name} = {given!r}: must rise from the first value to the second")
     return low, high
+
+
+def read_values(name: str, given: Any, unit: str, points: int) -> NDArray[np.float64]:
+    """Read values in one of three forms: a range in a text, a list, or one value.
+
+    Returns:
+        ``points`` equidistant values of the range, or those of the list, shape (n,); the one value,
+        shape ().
+
+    Raises:
+        ValueError: as ``read_amount`` and ``read_range``, a value with a tolerance, or a list that
+            is empty or has a value twice.
+    """
+    if isinstance(given, str) and ends_of(plain(given)):
+        steps = np.linspace(*read_range(name, given, unit), points)
+        return np.array([float(f"{each:.12g}") for each in steps])  # decimal steps are decimals
+    if hasattr(given, "magnitude"):  # of a library of units, which an array would drop
+        raise ValueError(f"{name} = {given}: give numbers in {unit}, or texts such as '1 {unit}'")
+    listed = given if isinstance(given, str) else np.asarray(given, dtype=object).tolist()
+    each = [read_amount(name, v, unit) for v in (listed if isinstance(listed, list) else [listed])]
+    if any(one.tolerance for one in each):
+        raise ValueError(f"{name} = {given!r}: no tolerance here, {_rule(unit)}")
+    values = [one.value for one in each]
+    if not values or len({*values}) < len(values):
+        raise ValueError(f"{name} = {given!r}: must be distinct values, at least one")
+    return np.array(values if isinstance(listed, list) else values[0])
 
 
 def _rule(unit: str) -> str:

@@ -19,7 +19,10 @@ from model.device import StatedDevice
 from model.device.batches import Values
 from model.device.leeways import Leeway, Nearest, leeways, nearest
 from model.device.reliability import are_reliable
-from model.physics.parameters import Batch, Parameters
+from model.device.runs import AnyDevice, as_run, device_of
+from model.events.insertion import INSERTION
+from model.physics.parameters import Batch
+from model.physics.tables import Value
 from model.runs.settings import Settings
 from model.runs.simulate import Trajectory, simulate_once
 from model.sweeps.settings import Ensemble
@@ -32,8 +35,8 @@ _HOPPING = 8  # number of starts whose touch-downs are examined
 _SAME_TIME = 0.02  # relative difference below which two times count as equal
 
 
-@dataclass(frozen=True)
-class BaseVerdict:
+@dataclass(frozen=True, eq=False, repr=False)
+class BaseVerdict(Value):
     """Results of a device on one base, from every start; dimensionless.
 
     Attributes:
@@ -77,8 +80,8 @@ class Successes(NamedTuple):
     tau_worst: float
 
 
-@dataclass(frozen=True)
-class Assessment:
+@dataclass(frozen=True, eq=False, repr=False)
+class Assessment(Value):
     """Results of a device from every start and on its bases, dimensionless, and its leeways.
 
     Attributes:
@@ -109,6 +112,11 @@ class Assessment:
     nearest: tuple[Nearest, ...] = ()
     bases: tuple[BaseVerdict, ...] = ()
     if_square: Successes | None = None
+
+    def __repr__(self) -> str:
+        words = "reliable" if self.reliable else "not reliable"
+        words = "depends on the base" if self.depends_on_base else words
+        return f"<Assessment: {words}, goes in from {self.aligned} of {self.starts} starts>"
 
     @property
     def reliable(self) -> bool:
@@ -158,9 +166,9 @@ class Assessment:
 
 
 def assess(
-    device: Parameters | StatedDevice,
-    settings: Settings,
-    ensemble: Ensemble,
+    device: AnyDevice,
+    settings: Settings | None = None,
+    ensemble: Ensemble | None = None,
     cores: int = 1,
     *,
     bases: bool = False,
@@ -169,15 +177,16 @@ def assess(
     """Assess a device by some thousand runs.
 
     Args:
-        device: as its file states it, or dimensionless parameters.
-        settings: settings of the runs.
-        ensemble: the starts.
+        device: as ``simulate`` takes it.
+        settings: settings of the runs; None for the defaults, in the insertion scene.
+        ensemble: the starts; None for those of the study.
         cores: number of threads.
         bases: try other bases of a device of a file, even if it states one.
         vary: seek the leeways, or the nearest reliable values if a start fails.
     """
-    parameters = device.parameters if isinstance(device, StatedDevice) else device
-    starts = starts_of(parameters, ensemble)
+    device = device_of(device)
+    parameters, settings = as_run(device, settings or Settings(scene=INSERTION), {})
+    starts = starts_of(parameters, ensemble or Ensemble())
     results = every_start(Batch.stack([parameters]), starts, settings, cores)
     aligned, tau = results["goes_in"][0], results["tau_align"][0]
     failing = [start for start, aligns in zip(starts, aligned, strict=True) if not aligns]

@@ -5,6 +5,7 @@ Phase and tilt at touch-down cannot be controlled: a *reliable* device goes in f
 units, and change as ``--set`` changes them.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,10 +13,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from model.device import StatedDevice
+from model.device.amounts import read_amount
 from model.device.batches import Values, by_settings, devices_of, rows_of
-from model.device.stated import QUANTITIES
+from model.device.runs import AnyDevice, devices_in
+from model.device.stated import QUANTITIES, unit_of
 from model.events.insertion import INSERTION
 from model.physics.parameters import PARAMETER_NAMES, Parameters, check_name
+from model.physics.tables import Value
 from model.physics.units import Units
 from model.runs.settings import Settings
 from model.sweeps.settings import Ensemble
@@ -26,8 +30,8 @@ STATISTICAL_TOLERANCE = 1e-6  # local error of a step; yields are the same as at
 _FEW = 12  # every twelfth start is tried first: most failing devices fail from many starts
 
 
-@dataclass(frozen=True)
-class DeviceResults:
+@dataclass(frozen=True, eq=False, repr=False)
+class DeviceResults(Value):
     """Results of n devices from every start, in SI units.
 
     Attributes:
@@ -47,6 +51,9 @@ class DeviceResults:
     force: Floats
     tilt: Floats
     failing: NDArray[np.int64]
+
+    def __repr__(self) -> str:
+        return f"<DeviceResults: {self.goes_in.sum():,} of {self.goes_in.size:,} devices go in>"
 
 
 def from_every_start(
@@ -112,7 +119,7 @@ def are_reliable(
 
 
 def reliable_at(
-    device: Parameters | StatedDevice,
+    device: AnyDevice | Iterable[AnyDevice],
     settings: Settings | None = None,
     *,
     cores: int = 1,
@@ -121,22 +128,34 @@ def reliable_at(
     """Return where a device goes in from every start, shape (n,), as ``assess`` says.
 
     Args:
-        device: as ``load_device`` returns it, or dimensionless parameters.
+        device: as ``simulate`` takes it; or a list of n devices, of which nothing varies.
         settings: settings of the runs; None for the defaults, in the insertion scene.
         cores: number of threads.
         **quantities: what varies together, each of shape (n,), such as
-            ``press_force=[8.0, 10.0, 12.0]``; in SI units for a device of ``load_device``.
+            ``press_force=[8.0, 10.0, "12 N"]``; numbers in SI units for a device of a file.
 
     Raises:
+        TypeError: no device.
         ValueError: an unknown quantity, shapes that differ, or a value outside its rule.
     """
-    values = {n: np.atleast_1d(np.asarray(v, dtype=np.float64)) for n, v in quantities.items()}
-    if len({each.shape for each in values.values()}) > 1:
-        shapes = ", ".join(f"{name}: {each.size}" for name, each in values.items())
-        raise ValueError(f"quantities must have one common length, got {shapes}")
+    devices = devices_in(device)
+    if len(devices) != 1:
+        if quantities:
+            raise ValueError("nothing may vary over a list of devices: give one device")
+        each = [reliable_at(one, settings, cores=cores) for one in devices]
+        return np.concatenate([np.empty(0, np.bool_), *each])
+    (device,) = devices
     stated = isinstance(device, StatedDevice)
     for name in quantities:
         check_name(name, QUANTITIES if stated else PARAMETER_NAMES, "quantity of a device")
+    units = {name: unit_of(name) if stated else "1" for name in quantities}
+    values = {
+        name: np.array([read_amount(name, v, units[name]).value for v in np.ravel(given).tolist()])
+        for name, given in quantities.items()
+    }
+    if len({each.shape for each in values.values()}) > 1:
+        shapes = ", ".join(f"{name}: {each.size}" for name, each in values.items())
+        raise ValueError(f"quantities must have one common length, got {shapes}")
     parameters = device.parameters if isinstance(device, StatedDevice) else device
     values = values or {"friction": np.array([parameters.friction])}
     settings = settings or Settings(scene=INSERTION)

@@ -16,6 +16,7 @@ from model.device.plausibility import check_place, check_press, doubts
 from model.physics.parameters import FIELDS, PARAMETER_NAMES, Parameters, Shape, check_name
 from model.physics.quantities import LENGTH
 from model.physics.rest import Start
+from model.physics.tables import Value, vars_of
 from model.physics.units import UNITS, Device, Units, device
 from model.runs.settings import Settings
 from model.sweeps.files import read_text
@@ -36,8 +37,8 @@ class DeviceError(ValueError):
     """A file that states no valid device."""
 
 
-@dataclass(frozen=True)
-class StatedDevice:
+@dataclass(frozen=True, eq=False, repr=False)
+class StatedDevice(Value):
     """A device as its file states it, in SI units.
 
     Attributes:
@@ -66,6 +67,14 @@ class StatedDevice:
     stated_shape: Shape | None = None
     horizon: float | None = None
     insertion_depth: float | None = None
+
+    def __repr__(self) -> str:
+        changes = "".join(f", {name}={value}" for name, value in self.changes.items())
+        return f"<StatedDevice: {self.source}{changes}>"
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what copies and pickles hold: nothing that is computed from it."""
+        return vars_of(self)
 
     @cached_property
     def device(self) -> Device:
@@ -126,21 +135,25 @@ class StatedDevice:
             quantities["half_height"] = quantities.pop(CENTRE)
         return with_base(quantities, pair, self.shape)
 
-    def changed(self, **changes: float) -> "StatedDevice":
-        """Return the device with other values (SI units) and the same tolerances.
+    def changed(self, **changes: float | str) -> "StatedDevice":
+        """Return the device with other values and the same tolerances.
+
+        Numbers are in SI units; a text has a unit, and may state another tolerance.
 
         Quantities that the new values replace, such as ``materials``, go with their tolerances.
 
         Raises:
-            ValueError: an unknown quantity.
+            ValueError: an unknown quantity, or a text that is no amount.
         """
         for name in changes:
             check_name(name, QUANTITIES, "quantity of a device")
+        values, tolerances = _amounts(changes)
         replaced = _replaced_by(changes)
         return replace(
             self,
-            quantities={n: v for n, v in self.quantities.items() if n not in replaced} | changes,
-            tolerances={n: each for n, each in self.tolerances.items() if n not in replaced},
+            quantities={n: v for n, v in self.quantities.items() if n not in replaced} | values,
+            tolerances={n: each for n, each in self.tolerances.items() if n not in replaced}
+            | tolerances,
             materials=None if "materials" in replaced else self.materials,
             changes={**self.changes, **changes},
         )

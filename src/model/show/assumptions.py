@@ -63,7 +63,7 @@ def assumptions_with(
     stated: StatedDevice,
     values: Mapping[str, float],
     settings: Settings,
-    ensemble: Ensemble,
+    ensemble: Ensemble | None,
     *,
     tolerances_assumed: bool = False,
 ) -> dict[str, str]:
