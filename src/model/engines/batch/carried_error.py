@@ -2,10 +2,10 @@
 
 Every step adds its local error, the next two terms of its series. Between events the error obeys
 the linearised equations of motion (``ErrorWriter`` of series_code.py). Where a contact sticks, the
-step's end removes the slip of the run, and with it that of the error. At an event it is multiplied by
-the saltation matrix: a displaced run reaches the event later, and until then moves in the mode
-before it (Leine and Nijmeijer, Dynamics and Bifurcations of Non-Smooth Mechanical Systems, 2004,
-section 7.2).
+step's end removes the slip of the run, and with it that of the error. At an event the error is
+multiplied by the saltation matrix: a displaced run reaches the event later, and until then moves in
+the mode before it (Leine and Nijmeijer, Dynamics and Bifurcations of Non-Smooth Mechanical Systems,
+2004, section 7.2).
 
 Input: the workspace after ``step_all``, and the run's record. Output: the errors in the record.
 """
