@@ -16,6 +16,7 @@ from model.device import StatedDevice, load_device
 from model.device.amounts import read_amount
 from model.device.base import BASE
 from model.device.holder import RATIOS
+from model.device.spelling import plain
 from model.physics.parameters import FIELDS, PARAMETER_NAMES, Parameters, check_name
 from model.physics.quantities import LENGTH, TIME
 from model.physics.rest import Start
@@ -105,7 +106,7 @@ def add_model_options(
 
 def announce_compilation() -> None:
     """Say at a terminal that the kernels are compiled first, unless they are cached."""
-    if sys.stderr.isatty() and not any(cache_folder().rglob("*.nbi")):
+    if sys.stderr.isatty() and not any(cache_folder().rglob("*.o")):
         print("compiling the model, this once: about half a minute …", file=sys.stderr)
 
 
@@ -129,7 +130,7 @@ def number(name: str, text: str, rule: str = "must be a number") -> float:
         ValueError: it is no number; the message has the ``name`` of the quantity and the ``rule``.
     """
     try:
-        return float(text)
+        return float(plain(text))
     except ValueError:
         raise ValueError(f"{name} = {text!r}: {rule}") from None
 
