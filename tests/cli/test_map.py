@@ -114,3 +114,17 @@ def test_an_interrupted_map_leaves_the_old_file(tmp_path, capsys, monkeypatch):
     assert "interrupted" in capsys.readouterr().err
     assert old.read_text() == "old"
     assert [path.name for path in tmp_path.iterdir()] == ["map.nc"]
+
+
+def test_an_axis_may_begin_below_zero(tmp_path, capsys):
+    out = tmp_path / "map.nc"
+    few = ["--resolution", "2", "--horizon", "1 ms", "--out", str(out)]
+    for given in (["-5deg", "5deg"], ["-5..5 deg"], ["-5..5", "deg"], ["−5deg", "5deg"]):
+        plane = ["--x", "initial_tilt", *given, "--y", "amplitude", "1 mm p-p", "2 mm p-p"]
+        assert cli.main(["map", "--device", PEG, *plane, *few]) == cli.DONE
+        with xr.open_dataset(out) as stored:
+            np.testing.assert_allclose(stored["initial_tilt"], np.radians([-5.0, 5.0]))
+            np.testing.assert_allclose(stored["amplitude"], [5e-4, 1e-3])
+    capsys.readouterr()
+    assert cli.main(["simulate", "--horizon", "-1e-3"]) == cli.REFUSED
+    assert "horizon = -0.001: must be a finite number > 0" in capsys.readouterr().err

@@ -235,3 +235,20 @@ def test_a_stated_base_replaces_what_the_file_derives_it_from() -> None:
     assert load_device(shaft, {"press_force": 18.0}).resolved({})["contact_stiffness"] == (
         pytest.approx(own["contact_stiffness"] * 1.5 ** (1.0 / 3.0))
     )
+
+
+def test_an_amplitude_in_g_holds_at_the_frequency_of_the_file(tmp_path):
+    file = peg(tmp_path, amplitude="5 g")
+    amplitude = 5.0 * 9.80665 / (2.0 * math.pi * 50.0) ** 2
+    assert load_device(file).quantities["amplitude"] == pytest.approx(amplitude)
+    other = load_device(file, {"frequency": "80 Hz"})
+    assert other.quantities["amplitude"] == pytest.approx(amplitude)  # as in leeways and maps
+    assert "amplitude = 5 g is 0.4968 mm at 50 Hz, and stays so" in other.doubts[0]
+    both = load_device(file, {"frequency": "80 Hz", "amplitude": "5 g"})
+    assert both.quantities["amplitude"] == pytest.approx(amplitude * (50.0 / 80.0) ** 2)
+    assert not both.notes
+    free = peg(tmp_path, amplitude="5 g", more="\nfree:\n  frequency: 40 to 60 Hz\n")
+    with pytest.raises(DeviceError, match=r"is an acceleration.*write the amplitude in mm"):
+        load_device(free)
+    with pytest.raises(DeviceError, match=r"is an acceleration.*write the amplitude in mm"):
+        load_device(peg(tmp_path, amplitude="5 g", frequency="50 Hz ± 1 Hz"))

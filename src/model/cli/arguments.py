@@ -16,6 +16,7 @@ from model.device import StatedDevice, load_device
 from model.device.amounts import read_amount
 from model.device.base import BASE, CENTRE, CENTRE_WORDS
 from model.device.holder import RATIOS
+from model.device.spelling import plain
 from model.physics.parameters import FIELDS, PARAMETER_NAMES, Parameters, Shape, check_name
 from model.physics.quantities import LENGTH, TIME
 from model.physics.rest import Start
@@ -134,7 +135,7 @@ def number(name: str, text: str, rule: str = "must be a number") -> float:
         ValueError: it is no number; the message has the ``name`` of the quantity and the ``rule``.
     """
     try:
-        return float(text)
+        return float(plain(text))
     except ValueError:
         raise ValueError(f"{name} = {text!r}: {rule}") from None
 

@@ -54,6 +54,7 @@ class StatedDevice(Value):
         stated_shape: shape of part and hole (``Settings.shape``), or None.
         horizon: latest time of its runs in s, or None for that of the settings in units of 1/p.
         insertion_depth: depth in m at which it counts as inserted, or None for the default.
+        notes: lines on words of the file that ``changes`` may have made mean something else.
     """
 
     source: Path
@@ -67,6 +68,7 @@ class StatedDevice(Value):
     stated_shape: Shape | None = None
     horizon: float | None = None
     insertion_depth: float | None = None
+    notes: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         changes = "".join(f", {name}={value}" for name, value in self.changes.items())
@@ -195,7 +197,7 @@ class StatedDevice(Value):
                 "shape is not stated: taken as round, a peg in a round hole; state shape: round, "
                 "or shape: square for a plane part beside a slot"
             )
-        return found + cut_off
+        return [*self.notes, *found, *cut_off]
 
 
 def _replaced_by(changes: Iterable[str]) -> set[str]:
@@ -223,19 +225,21 @@ def load_device(path: Path | str, changes: Mapping[str, object] | None = None) -
     replaced = _replaced_by(changes)
     mapping = {name: value for name, value in _mapping(path).items() if name not in replaced}
     try:
-        values, tolerances = _amounts({n: v for n, v in mapping.items() if n not in _BESIDES})
-        changed, others = _amounts({n: v for n, v in changes.items() if n not in _BESIDES})
+        at = _one_frequency(mapping)
+        values, tolerances = _amounts(mapping, at)
+        changed, others = _amounts(changes, _one_frequency({**mapping, **changes}))
         materials = changes.get("materials", mapping.get("materials"))
         stated = StatedDevice(
             source=path,
             quantities={**values, **changed},
             tolerances={**tolerances, **others},
             materials=None if materials is None else str(materials),
-            free={n: read_range(n, v, unit_of(n)) for n, v in _section("free", mapping)},
+            free={n: read_range(n, v, unit_of(n), at) for n, v in _section("free", mapping)},
             limits=_limits(mapping),
             changes=dict(changes),
             start=mapping.get("start"),
             stated_shape=mapping.get("shape"),
+            notes=_kept_amplitude(mapping, values, changes),
         )
         for name, kind in (("start", Start), ("shape", Shape)):
             if mapping.get(name) is not None:
@@ -302,8 +306,37 @@ def _mapping(path: Path) -> dict[str, Any]:
     return {str(name): value for name, value in mapping.items()}
 
 
-def _amounts(given: Mapping[str, object]) -> tuple[dict[str, float], dict[str, Tolerance]]:
-    amounts = {name: read_amount(name, value, unit_of(name)) for name, value in given.items()}
+def _kept_amplitude(
+    mapping: Mapping[str, Any], values: Mapping[str, float], changes: Mapping[str, object]
+) -> tuple[str, ...]:
+    """Return a line if the file's amplitude is an acceleration at a frequency that is changed."""
+    if "frequency" not in changes or "amplitude" not in values or "amplitude" in changes:
+        return ()
+    given, kept = mapping["amplitude"], values["amplitude"]
+    if math.isclose(read_amount("amplitude", given, "m", 1.0).value, kept):
+        return ()
+    at, now = f"{values['frequency']:.4g} Hz", changes["frequency"]
+    words = f"amplitude = {given} is {1e3 * kept:.4g} mm at {at}, and stays so at frequency = {now}"
+    return (f"{words}: set amplitude, too, if the acceleration is to stay",)
+
+
+def _one_frequency(mapping: Mapping[str, Any]) -> float | None:
+    """Return the frequency in Hz, or None if it is missing, free or has a tolerance."""
+    if mapping.get("frequency") is None or "frequency" in dict(_section("free", mapping)):
+        return None
+    amount = read_amount("frequency", mapping["frequency"], "Hz")
+    return None if amount.tolerance else amount.value
+
+
+def _amounts(
+    given: Mapping[str, object], frequency: float | None
+) -> tuple[dict[str, float], dict[str, Tolerance]]:
+    """Return values and tolerances of what is ``given`` besides ``_BESIDES``, in SI units."""
+    amounts = {
+        name: read_amount(name, value, unit_of(name), frequency)
+        for name, value in given.items()
+        if name not in _BESIDES
+    }
     tolerances = {n: each.tolerance for n, each in amounts.items() if each.tolerance is not None}
     return {name: each.value for name, each in amounts.items()}, tolerances
 

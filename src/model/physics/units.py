@@ -29,7 +29,7 @@ UNITS: Mapping[str, Field] = {
     "axial_stiffness": Field(
         "K_Y", "stiffness of the holder along the assembly axis", STIFFNESS, "> 0"
     ),
-    "amplitude": Field("A", "amplitude of the holder's excitation", LENGTH, "> 0"),
+    "amplitude": Field("A", "amplitude (peak) of the holder's excitation", LENGTH, "> 0"),
 }
 
 
