@@ -216,10 +216,10 @@ def assess(
 
 
 def _if_square(
-    device: Parameters | StatedDevice, starts: Starts, settings: Settings, cores: int
+    device: AnyDevice, starts: Starts, settings: Settings, cores: int
 ) -> Successes | None:
     """Return the successes of a square part in place of one whose shape is not stated."""
-    if isinstance(device, Parameters) or device.stated_shape is not None:
+    if not isinstance(device, StatedDevice) or device.stated_shape is not None:
         return None
     square = replace(device, stated_shape="square").parameters
     settings = replace(settings, shape="square")

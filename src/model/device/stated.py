@@ -149,7 +149,7 @@ class StatedDevice(Value):
         """
         for name in changes:
             check_name(name, QUANTITIES, "quantity of a device")
-        values, tolerances = _amounts(changes)
+        values, tolerances = _amounts(changes, self.quantities.get("frequency"))
         replaced = _replaced_by(changes)
         return replace(
             self,
