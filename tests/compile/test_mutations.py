@@ -129,8 +129,10 @@ def caught(folder: Path, edit: tuple[str, str, str] | None) -> subprocess.Comple
 @pytest.mark.parametrize("mutation", MUTATIONS)
 def test_a_test_catches_it(tmp_path: Path, mutation: str) -> None:
     run = caught(tmp_path, MUTATIONS[mutation])
-    assert run.returncode == pytest.ExitCode.TESTS_FAILED, run.stdout + run.stderr
-    print(f"{mutation}: {run.stdout.splitlines()[-3]}")  # noqa: T201  (`pytest -rP` shows it)
+    # Wrong machine code may end the process by a signal: its code is negative.
+    is_caught = run.returncode == pytest.ExitCode.TESTS_FAILED or run.returncode < 0
+    assert is_caught, run.stdout + run.stderr
+    assert "ERROR" not in run.stdout, run.stdout
 
 
 @pytest.mark.nightly
