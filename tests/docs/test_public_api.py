@@ -48,7 +48,7 @@ FROZEN = {
     "vibralign.load_device": "path changes",
     "vibralign.StatedDevice": """
         source quantities tolerances materials free limits changes start stated_shape horizon
-        insertion_depth
+        insertion_depth notes
     """,
     "vibralign.reliable_at": "device settings cores quantities",
     "vibralign.yield_of": "stated starts settings cores devices seed indices",
