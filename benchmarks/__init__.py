@@ -1,4 +1,4 @@
-"""The package against other methods: for two sections of the report, and for ``make bench``.
+"""The package against other methods: for a section of the report, and for ``make bench``.
 
 Not in the wheel. Methods are compared by their cost at the same true error; true values are the
 package's own at a far smaller tolerance.
@@ -10,12 +10,11 @@ Shared by both:
 - ``equations``: the peers' own statement of the physics, its modes and events
 - ``work_precision.climbed``: the ladder of tolerances or steps, from coarse to fine
 
-The report's sections, with data and CPU times from the workflow:
+The report's section, with data and CPU times from the workflow:
 
-- ``plans``: what the sections compute, from the configuration
-- ``work_precision``: cost against true error
-- ``hard_cases``: every method on scenes that are hard to integrate
-- ``report``: the sections and their figures
+- ``plans``: what it computes, from the configuration
+- ``work_precision``: cost against true error, on usual and on hard cases
+- ``report``: the section and its figures
 
 ``make bench`` runs in an environment of its own (``.venv-bench``), which the study never needs;
 ``make bench BENCH_FLAGS=--quick`` gives a rough table. A method climbs the ladder to the first

@@ -1,59 +1,65 @@
-"""Plans of the comparison of methods: without texts, so that new wording computes nothing."""
+"""Plan of the comparison of methods: without texts, so that new wording computes nothing."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from model.study.config.methods import HardCases, Ladder
+from model.study.config.methods import Ladder
 from model.sweeps.axes import Plan
 from model.sweeps.settings import RunSettings
 
 if TYPE_CHECKING:
     from model.study.config.study import Study
 
-# Paths of the pictures of speed against error, below the results root and without extension.
+# Paths of the pictures, below the results root and without extension.
 PICTURES: Mapping[str, str] = {
     "evaluations": "figures/precision",
     "times": "benchmarks/precision",
+    "stability": "figures/stability",
 }
-
-# Path of the picture of hard cases.
-HARD_PICTURES: Mapping[str, str] = {"stability": "figures/stability"}
 
 
 class CasePlan(Plan):
-    """Numbers of one case; ``until`` as in ``config.Case``."""
+    """Numbers of one case.
+
+    Attributes:
+        parameters: the operating point.
+        until: time τ at which a run ends that has not aligned.
+        ladder: tolerances, steps and limits of evaluations.
+        every_method: False if the methods of SciPy do not run it.
+    """
 
     parameters: dict[str, float | None]
-    until: float | None
+    until: float
+    ladder: Ladder
+    every_method: bool = True
 
 
 class PrecisionPlan(Plan):
-    """Plan of the comparison of methods."""
+    """Plan of the comparison of methods: cases by name, the hard ones last."""
 
     cases: dict[str, CasePlan]
-    ladder: Ladder
     settings: RunSettings
 
 
 def precision_plan(study: "Study") -> PrecisionPlan:
     """Return the comparison of a study."""
+    precision, hard = study.precision, study.precision.hard
     cases = {
-        name: CasePlan(parameters=study.case(name).given(), until=case.until)
-        for name, case in study.precision.cases.items()
+        name: CasePlan(
+            parameters=study.case(name).given(),
+            until=case.until or study.settings.horizon,
+            ladder=precision.ladder,
+        )
+        for name, case in precision.cases.items()
     }
-    return PrecisionPlan(cases=cases, ladder=study.precision.ladder, settings=study.settings)
-
-
-class HardCasesPlan(Plan):
-    """Plan of the hard cases: every method on each."""
-
-    parameters: dict[str, float | None]
-    spec: HardCases
-    settings: RunSettings
-
-
-def hard_cases_plan(study: "Study") -> HardCasesPlan:
-    """Return the hard cases of a study."""
-    return HardCasesPlan(
-        parameters=study.baseline.given(), spec=study.hard_cases, settings=study.settings
-    )
+    for name, each in hard.all_cases.items():
+        every, limit = name in hard.every_method, each.max_evaluations
+        limit = hard.ladder.max_evaluations_scipy if every else limit
+        limited = {"max_evaluations": limit or hard.ladder.max_evaluations}
+        cases[name] = CasePlan(
+            parameters=study.baseline.replace(**each.at).given(),
+            until=each.until,
+            ladder=hard.ladder.model_copy(update=limited),
+            every_method=every,
+        )
+    return PrecisionPlan(cases=cases, settings=study.settings)

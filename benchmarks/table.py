@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import partial
 from pathlib import Path
-from time import thread_time
+from time import process_time
 
 import numpy as np
 
@@ -107,9 +107,9 @@ def _first_call(method: Method, problem: Problem, row: Row) -> tuple[Row, Callab
     """Return the row with its evaluations, and a function that times a trajectory in µs."""
     sets = problem.batch(method.batch) if method.batch > 1 else problem.cases
     solve = partial(method.solve, problem, sets, row.tolerance, math.inf)
-    started = thread_time()
+    started = process_time()
     evaluations = solve().evaluations
-    seconds = thread_time() - started
+    seconds = process_time() - started
 
     def clock() -> float:
         once = 1e6 * seconds

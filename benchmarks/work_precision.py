@@ -1,9 +1,11 @@
-"""Speed against error: every method on one case of each kind of motion, from coarse to fine.
+"""Error against cost: every method on every case, from coarse to fine.
+
+Cases are an operating point of each kind of motion, and scenes that are hard to integrate. The true
+solution is that of the reference engine at a far smaller tolerance. Errors and evaluations are the
+same in every build; CPU times are not, and are kept in a table of their own.
 
 ``make bench`` also uses ``climbed``, the ladder of resolutions, and ``cpu_microseconds``, the time
-of a trajectory. The true solution is that of DOP853 with located events at a far smaller
-tolerance. Errors and evaluations are the same in every build; CPU times are not, and are kept in a
-table of their own.
+of a trajectory.
 """
 
 import math
@@ -16,56 +18,60 @@ import numpy as np
 
 from benchmarks.methods import METHODS
 from benchmarks.methods.base import Method, NotReachedError
-from benchmarks.plans import PrecisionPlan
-from benchmarks.problems import Floats, Problem, Solution, Verdict, neighbours
-from model.events.outcomes import OUTCOME_TEXT, Outcome
-from model.physics.parameters import Parameters
-from model.runs.simulate import Trajectory, simulate
+from benchmarks.plans import CasePlan, PrecisionPlan
+from benchmarks.problems import Floats, Problem, Solution, Verdict, last_state, neighbours
+from model.events.outcomes import Outcome
+from model.physics.parameters import Batch, Parameters
 from model.study.csv_tables import read_records, records_text
 
+_COARSER_TRUTH = 100.0  # tolerance of the second true run over that of the first
+_TRUE_EVALUATIONS = 2_000_000_000  # true runs have no practical limit
+_CERTAIN = 1e-5  # largest uncertainty of a truth with which errors are measured
+_ROUNDING = float(np.finfo(float).eps)  # of numbers of order one; no error is below it
 
-class CaseError(ValueError):
-    """Error: a case does not end as its configuration says."""
+
+@dataclass(frozen=True)
+class Truth:
+    """True run of a case.
+
+    ``uncertainty`` is the distance of a coarser run: of its alignment time, or of its final state.
+    """
+
+    outcome: Outcome
+    tau_align: float  # NaN if not aligned
+    state: Floats  # at the end, shape (6,)
+    uncertainty: float
+    events: int
+
+    @property
+    def certain(self) -> bool:
+        """True if errors can be measured.
+
+        Other methods do not locate the event at which a part leaves: its state there has no error.
+        """
+        return self.outcome != Outcome.LEFT_SCENE and self.uncertainty <= _CERTAIN
 
 
 @dataclass(frozen=True)
 class Setting:
     """Result of one method on one case at one resolution, a length of steps or a tolerance.
 
-    ``error`` is that of the alignment time, or of the state where the case never aligns. ``events``
-    is the number of events that the package locates. ``microseconds`` is the CPU time of one
-    trajectory, NaN if its outcome is wrong.
+    ``outcome``, ``uncertainty`` and ``events``, the number of events, are those of the true run.
+    ``error`` is that of the alignment time, or of the state where the case does not align; NaN
+    where the outcome is wrong, or where only the outcome can be compared. ``microseconds`` is the
+    CPU time of one trajectory, NaN if its outcome is wrong.
     """
 
     case: str
+    outcome: str
+    uncertainty: float
+    events: int
     method: str
     resolution: float
     error: float
     rhs_evaluations: int
     verdict: Verdict
-    events: int
     microseconds: float = math.nan
-
-
-@dataclass(frozen=True)
-class Truth:
-    """True run of a case: outcome, alignment time (NaN if not aligned), state at the end (6,)."""
-
-    outcome: Outcome
-    tau_align: float
-    state: Floats
-
-    @classmethod
-    def of(cls, run: Trajectory) -> "Truth":
-        """Return the truth from a trajectory."""
-        return cls(run.outcome, run.tau_align, run.state[-1])
-
-    @property
-    def size(self) -> float:
-        """Largest absolute value of the compared numbers."""
-        if self.outcome == Outcome.ALIGNED:
-            return self.tau_align
-        return float(np.abs(self.state).max())
 
 
 def problem_of(plan: PrecisionPlan, name: str) -> Problem:
@@ -73,62 +79,52 @@ def problem_of(plan: PrecisionPlan, name: str) -> Problem:
     case = plan.cases[name]
     settings = replace(
         plan.settings.settings,
-        horizon=case.until or plan.settings.horizon,
-        max_evaluations=plan.ladder.max_evaluations,
+        horizon=case.until,
+        max_evaluations=case.ladder.max_evaluations,
         may_settle=False,
     )
     parameters = Parameters(**case.parameters)  # type: ignore[arg-type]
-    limit = plan.ladder.max_evaluations_scipy
+    limit = case.ladder.max_evaluations_scipy
     return Problem(name, (parameters,), settings, interpreted_evaluations=limit)
 
 
-def true_run(plan: PrecisionPlan, name: str) -> Trajectory:
-    """Return the case ``name`` at the true tolerance.
+def methods_for(case: CasePlan) -> list[str]:
+    """Return the names of the methods that run a case."""
+    return [name for name in METHODS if case.every_method or METHODS[name].package != "scipy"]
 
-    Raises:
-        CaseError: the case aligns and should not, or should and does not, or is sensitive.
-    """
-    problem, case = problem_of(plan, name), plan.cases[name]
-    truth = simulate(
-        problem.cases[0],
-        problem.settings,
-        tolerance=plan.ladder.true_tolerance,
-        max_evaluations=plan.settings.settings.max_evaluations,  # not the ladder's, for methods
+
+def true_run(plan: PrecisionPlan, name: str) -> Truth:
+    """Return the case ``name`` at the true tolerance, and its distance from a coarser run."""
+    problem, tolerance = problem_of(plan, name), plan.cases[name].ladder.true_tolerance
+    settings = replace(problem.settings, max_evaluations=_TRUE_EVALUATIONS)
+    rows = settings.rows(Batch.stack(problem.cases))
+    (result, state), (coarse, coarse_state) = (
+        last_state(settings, rows, np.array([factor * tolerance]))
+        for factor in (1.0, _COARSER_TRUTH)
     )
-    expected = Outcome.ALIGNED if case.until is None else Outcome.HORIZON_REACHED
-    place = f"precision.cases.{name}"
-    if truth.outcome != expected:
-        remedy = "state `until`" if case.until is None else "leave out `until` or make it smaller"
-        raise CaseError(
-            f"{place}: {OUTCOME_TEXT[truth.outcome]}, expected: {OUTCOME_TEXT[expected]}. Choose "
-            f"another operating point, or {remedy}"
-        )
-    if truth.sensitive:
-        raise CaseError(
-            f"{place}: is sensitive, so there is no error to measure. Choose another operating "
-            "point"
-        )
-    return truth
+    outcome = Outcome(int(result.outcome))
+    uncertainty = float(np.abs(state - coarse_state).max())
+    if result.outcome != coarse.outcome:
+        uncertainty = math.inf
+    elif outcome == Outcome.ALIGNED:
+        uncertainty = abs(result.tau_align - coarse.tau_align)
+    return Truth(outcome, result.tau_align, state, uncertainty, int(result.events))
 
 
 def error_of(solution: Solution, truth: Truth) -> tuple[float, Verdict]:
-    """Return ``deviation_of``, with an error not below the rounding of the compared number."""
-    error, verdict = deviation_of(solution, truth)
-    if verdict == Verdict.RIGHT_OUTCOME:
-        error = max(error, float(np.spacing(truth.size)))
-    return error, verdict
-
-
-def deviation_of(solution: Solution, truth: Truth) -> tuple[float, Verdict]:
     """Return (error, verdict): the error of the alignment time, or of the state without one."""
     if solution.failure is not None:
         return math.nan, solution.failure
     tau, state = float(solution.tau_align[0]), solution.states[0, -1]
+    if not np.isfinite(state).all():
+        return math.nan, Verdict.FAILED
     aligns = truth.outcome == Outcome.ALIGNED
     if math.isnan(tau) == aligns:
         return math.nan, Verdict.WRONG_OUTCOME
+    if not truth.certain:
+        return math.nan, Verdict.RIGHT_OUTCOME
     error = abs(tau - truth.tau_align) if aligns else float(np.abs(state - truth.state).max())
-    return error, Verdict.RIGHT_OUTCOME
+    return max(error, _ROUNDING), Verdict.RIGHT_OUTCOME
 
 
 def climbed(
@@ -142,12 +138,12 @@ def climbed(
     for resolution in resolutions:
         if budget <= 0.0:
             raise NotReachedError("out of time")
-        started = time.thread_time()
+        started = time.process_time()
         try:
             solution = how.answer(problem, resolution, time.process_time() + budget)
         except NotReachedError:  # a finer resolution may get there
             solution = problem.solution(np.full_like(problem.truth, math.nan), None)
-        seconds = time.thread_time() - started
+        seconds = time.process_time() - started
         budget -= seconds
         yield resolution, solution, seconds
 
@@ -155,9 +151,9 @@ def climbed(
 def measured(plan: PrecisionPlan, case: str, method: str, truth: Truth) -> Iterator[Setting]:
     """Yield a method's settings on one case from coarse to fine, up to the first over the limit."""
     problem, how = problem_of(plan, case), METHODS[method]
-    events = round(problem.events)
-    warm = False  # the first run may include compilation
-    resolutions = plan.ladder.steps if how.fixed else plan.ladder.tolerances
+    ladder = plan.cases[case].ladder
+    resolutions = ladder.steps if how.fixed else ladder.tolerances
+    how.warm(problem, resolutions[0])
     for resolution, solution, seconds in climbed(how, problem, resolutions):
         error, verdict = error_of(solution, truth)
         microseconds = math.nan
@@ -166,12 +162,13 @@ def measured(plan: PrecisionPlan, case: str, method: str, truth: Truth) -> Itera
             def work(count: int, resolution: float = resolution) -> None:
                 how.solve(problem, neighbours(problem.cases, count), resolution, math.inf)
 
-            together = least_batch(how, seconds) if warm else how.batch
-            known = seconds if warm and how.batch == 1 else None
-            microseconds = cpu_microseconds(work, together, known)
-        warm = True
+            known = seconds if how.batch == 1 else None
+            microseconds = cpu_microseconds(work, least_batch(how, seconds), known)
         evaluations = solution.evaluations or 0
-        yield Setting(case, method, resolution, error, evaluations, verdict, events, microseconds)
+        yield Setting(
+            case, truth.outcome.name.lower(), truth.uncertainty, truth.events, method, resolution,
+            error, evaluations, verdict, microseconds,
+        )  # fmt: skip
         if verdict == Verdict.TOO_MANY_EVALUATIONS:
             return
 
@@ -215,12 +212,12 @@ def cpu_microseconds(
 
 
 def _cpu_seconds(work: Callable[[int], object], count: int) -> float:
-    started = time.thread_time()
+    started = time.process_time()
     work(count)
-    return time.thread_time() - started
+    return time.process_time() - started
 
 
-_FORMATS = {"resolution": "g", "error": ".3e", "microseconds": ".1f"}
+_FORMATS = {"uncertainty": ".1e", "resolution": "g", "error": ".3e", "microseconds": ".1f"}
 
 
 def table_of(settings: Sequence[Setting], *, times: bool) -> str:

@@ -12,12 +12,7 @@ from matplotlib.figure import Figure
 
 from model import Parameters, load_device
 from model.show import style
-from model.show.schematics.sheet import (
-    BASE_COLOUR,
-    CONTACT,
-    OUTLINE,
-    new_sheet,
-)
+from model.show.schematics.sheet import Sheet
 
 _CRESCENT = "#9CC4E4"
 _TILT = 0.03  # of the second pair of curves, in rad
@@ -36,26 +31,27 @@ def crescent(device: Parameters) -> Figure:
     lune += [(hole * np.cos(v), hole * np.sin(v)) for v in inner]
     turn = np.linspace(0.0, 2.0 * pi, _STEPS)
     with style.context():
-        figure, sheet = new_sheet(0.34, -6.6, -3.9, 7.8)
-        sheet.area([(-2.4, -1.4), (3.5, -1.4), (3.5, 1.4), (-2.4, 1.4)], BASE_COLOUR, linewidth=0)
+        figure = style.new_figure(height=7.8 * style.CENTIMETRE)
+        sheet = Sheet(figure.add_axes((0.0, 0.0, 1.0, 1.0)), 0.34, -6.6, -3.9)
+        sheet.area([(-2.4, -1.4), (3.5, -1.4), (3.5, 1.4), (-2.4, 1.4)], Sheet.BASE, linewidth=0)
         sheet.area(np.column_stack([hole * np.cos(turn), hole * np.sin(turn)]), "white")
         sheet.area(lune, _CRESCENT, linewidth=0.0)
-        sheet.line(*np.column_stack([x + a * np.cos(turn), a * np.sin(turn)]), width=OUTLINE)
+        sheet.line(*np.column_stack([x + a * np.cos(turn), a * np.sin(turn)]), width=Sheet.OUTLINE)
         sheet.chain((-1.3, 0.0), (1.5, 0.0))
         sheet.chain((tip, -across - 0.12), (tip, across + 0.12))
         sheet.point((0, 0), "$O$", (-0.2, -0.28), 3.0)
         sheet.point((x, 0), "$C$", (0.05, 0.3))
-        sheet.point((tip, across), "tip $(X,\\ Z)$", (0.9, 0.32), 5.0, color=CONTACT)
-        sheet.point((tip, -across), "tip $(X,\\ -Z)$", (1.0, -0.32), 5.0, color=CONTACT)
+        sheet.point((tip, across), "tip $(X,\\ Z)$", (0.9, 0.32), 5.0, color=Sheet.CONTACT)
+        sheet.point((tip, -across), "tip $(X,\\ -Z)$", (1.0, -0.32), 5.0, color=Sheet.CONTACT)
         sheet.line((x, 0.0), (x, -0.72))
         sheet.line((hole, 0.0), (hole, -0.72))
         sheet.dimension((x, -0.3), (tip, -0.3), "$X - x$", (0.8, 0.0))
         sheet.dimension((x, -0.65), (hole, -0.65), "$l - x$", on="white")
-        sheet.leader((1.02, 0.5), (1.5, 0.85), "")
+        sheet.leader((1.02, 0.5), (1.41, 1.03), "")
         sheet.text((1.55, 0.87), "crescent: the face of the peg\nover the base", ha="left")
-        sheet.leader((x + np.cos(0.8), -np.sin(0.8)), (1.5, -0.85), "")
+        sheet.leader((x + np.cos(0.8), -np.sin(0.8)), (1.89, -0.39), "")
         sheet.text((1.55, -0.87), "rim of the peg", ha="left")
-        sheet.leader((-0.8 * hole, -0.6 * hole), (-1.25, -0.85), "")
+        sheet.leader((-0.8 * hole, -0.6 * hole), (-1.23, -0.66), "")
         sheet.text((-1.3, -0.87), "rim of the hole", ha="right")
     return figure
 

@@ -8,7 +8,7 @@ A peg is pressed beside its hole and vibrated: its path, and the forces on it, u
 import matplotlib.pyplot as plt
 import numpy as np
 
-from model import INSERTION, load_device, simulate
+from vibralign import INSERTION, load_device, simulate
 
 device = load_device("peg.yaml")
 units = device.units

@@ -9,7 +9,7 @@ an estimate of its error, and the true error is smaller.
 import matplotlib.pyplot as plt
 import numpy as np
 
-from model import Batch, align, load_device
+from vibralign import Batch, align, load_device
 
 ENLARGED = 10_000  # the bars, to be seen at all
 

@@ -9,7 +9,7 @@ on the edge.
 import matplotlib.pyplot as plt
 import numpy as np
 
-from model import load_device, simulate
+from vibralign import load_device, simulate
 
 device = load_device("peg.yaml")
 runs = {

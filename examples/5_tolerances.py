@@ -9,8 +9,7 @@ vibrator at touch-down, and the quantities that are to blame for the others.
 import matplotlib.pyplot as plt
 import numpy as np
 
-from model import Settings, load_device
-from model.device.yields import yield_of
+from vibralign import Settings, load_device, yield_of
 
 stated = load_device("peg.yaml")
 phases = np.linspace(0.0, 2.0 * np.pi, 8, endpoint=False)

@@ -9,7 +9,7 @@ fast, and with which of them it does so from every phase and tilt at touch-down.
 import matplotlib.pyplot as plt
 import numpy as np
 
-from model import align, load_device, reliable_at
+from vibralign import align, load_device, reliable_at
 
 stated = load_device("peg.yaml")
 print(*stated.doubts or ["nothing in the sheet looks doubtful"], sep="\n")

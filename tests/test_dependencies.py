@@ -11,7 +11,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-OWN = {"model", "benchmarks", "verification", "docs", "tests"}
+OWN = {"model", "vibralign", "benchmarks", "verification", "docs", "tests"}
 DISTRIBUTIONS = {
     "PIL": "pillow",
     "yaml": "pyyaml",
@@ -27,6 +27,7 @@ EXTRAS = {  # of each folder, besides the dependencies of the package
     "cli": STUDY,
 }
 EXTRAS = {f"src/model/{name}": extras for name, extras in EXTRAS.items()} | {
+    "src/vibralign": STUDY,
     "workflow": STUDY,
     "verification": STUDY,
     "benchmarks": [*STUDY, "bench"],

@@ -37,7 +37,7 @@ EDITS = [
     ("physics/forces.py", "        lateral_suspension(q, p)", " + side_pull(p)"),
     (
         "engines/results.py",
-        "class Results(Generic[OutcomeT, ReasonT, Real, Count, Flag]):\n",
+        "class Results(Value, Generic[OutcomeT, ReasonT, Real, Count, Flag]):\n",
         '    first_height: Real = entry("height of the centre at the start", LENGTH)\n',
     ),
     (

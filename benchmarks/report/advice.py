@@ -1,7 +1,7 @@
 """Cost of methods at a required error, and advice on the choice of a method."""
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Sequence
 from itertools import takewhile
 
 from benchmarks.methods import METHODS
@@ -12,6 +12,14 @@ from model.show.words import power, short
 FINE, COARSE = 1e-8, 1e-5  # the errors at which methods are compared
 
 
+def ladders(settings: Sequence[Setting]) -> dict[tuple[str, str], list[Setting]]:
+    """Return by (method, case) its settings from coarse to fine."""
+    found: dict[tuple[str, str], list[Setting]] = {}
+    for setting in settings:
+        found.setdefault((setting.method, setting.case), []).append(setting)
+    return found
+
+
 def needs(settings: Sequence[Setting], target: float) -> dict[tuple[str, str], Setting]:
     """Return by (method, case) the cheapest setting with a true error of at most ``target``.
 
@@ -19,31 +27,30 @@ def needs(settings: Sequence[Setting], target: float) -> dict[tuple[str, str], S
     is luck. A method that does not reach the target on a case has no entry.
     """
     found: dict[tuple[str, str], Setting] = {}
-    for method in METHODS:
-        for case in dict.fromkeys(setting.case for setting in settings):
-            ladder = [
-                setting
-                for setting in settings
-                if (setting.method, setting.case) == (method, case)
-                and setting.verdict != Verdict.TOO_MANY_EVALUATIONS
-            ]
-            # An error is NaN where the outcome is wrong.
-            kept = list(takewhile(lambda setting: setting.error <= target, reversed(ladder)))
-            if kept:
-                found[method, case] = min(kept, key=lambda setting: setting.rhs_evaluations)
+    for key, ladder in ladders(settings).items():
+        finished = [each for each in ladder if each.verdict != Verdict.TOO_MANY_EVALUATIONS]
+        # An error is NaN where the outcome is wrong, or where only the outcome can be compared.
+        kept = list(takewhile(lambda setting: setting.error <= target, reversed(finished)))
+        if kept:
+            found[key] = min(kept, key=lambda setting: setting.rhs_evaluations)
     return found
 
 
-def advice(settings: Sequence[Setting], titles: Mapping[str, str]) -> tuple[str, str]:
+def nearest(ladder: Sequence[Setting]) -> Setting:
+    """Return the setting with the smallest known error; without one, the coarsest."""
+    return min(ladder, key=lambda each: math.inf if math.isnan(each.error) else each.error)
+
+
+def advice(settings: Sequence[Setting], cases: Collection[str]) -> tuple[str, str]:
     """Return two sentences of advice on the choice of a method, from the measurements.
 
     Args:
-        settings: settings of all methods on all cases.
-        titles: titles of the cases, by name.
+        settings: settings of all methods.
+        cases: names of the cases that count, an operating point of each kind of motion.
     """
     return (
-        _choice("numbers that are compared, fitted or differentiated", settings, FINE, titles),
-        _choice("scans and maps", settings, COARSE, titles),
+        _choice("numbers that are compared, fitted or differentiated", settings, FINE, cases),
+        _choice("scans and maps", settings, COARSE, cases),
     )
 
 
@@ -61,7 +68,7 @@ def _choice(
         if all((method, case) in need for case in cases)
     }
     if not costs:
-        return f"No method keeps the true error below {error} in every case."
+        return f"No method keeps the true error below {error} in every kind of motion."
     best = min(costs, key=lambda method: math.prod(costs[method]))
     times = _range([f"{cost:,.0f}" for cost in sorted(costs[best])])
     unlocated = [name for name, method in METHODS.items() if not method.located]

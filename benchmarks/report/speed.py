@@ -1,5 +1,6 @@
-"""Section on speed against error: cost of each method."""
+"""Section on error against cost: what each method needs on each case."""
 
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -7,60 +8,88 @@ from markupsafe import Markup
 
 from benchmarks.methods import METHODS
 from benchmarks.plans import PICTURES
-from benchmarks.report.advice import COARSE, FINE, advice, needs
+from benchmarks.report.advice import COARSE, FINE, advice, ladders, nearest, needs
 from benchmarks.report.work_precision_plots import CAPTIONS
 from benchmarks.work_precision import Setting, read_settings
-from model.show.report.section import Results, Section, Table, link, settings_of
-from model.show.words import figure_title
+from model.show.report.section import Results, Section, Table, link, settings_of, subscripts
+from model.show.words import figure_title, number, power
 from model.study.config.study import Study
 
 
 def section(results: Results) -> Section:
-    """Return the section on speed against error."""
-    study = results.study
+    """Return the section on error against cost."""
+    precision = results.study.precision
     settings = read_settings(results.file("benchmarks/precision.csv"))
-    titles = {name: case.title for name, case in study.precision.cases.items()}
-    lead, *sentences = advice(settings, titles)
+    lead, *sentences = advice(settings, [*precision.cases])
     content = {
-        "sentences": sentences,
-        "cases": _cases(study),
+        "sentences": [*sentences, *_counts(settings)],
+        "cases": _cases(results.study),
         "pictures": [results.picture(place, CAPTIONS[name]) for name, place in PICTURES.items()],
-        "tables": [(target, _needed(settings, target, titles)) for target in (COARSE, FINE)],
+        "tables": [
+            (target, _needed(settings, target, precision.titles)) for target in (COARSE, FINE)
+        ],
+        "usual": precision.ladder,
+        "hard": precision.hard,
     }
     template = Path(__file__).with_suffix(".html.j2")
-    return Section("speed", "Speed against error", template, content, lead)
+    return Section("speed", "Error against cost", template, content, lead)
+
+
+def _counts(settings: Sequence[Setting]) -> list[str]:
+    """Return for each method on how many of its cases it keeps the coarse error."""
+    known = {each.case for each in settings if not math.isnan(each.error)}
+    need = needs(settings, COARSE)
+    counts = []
+    for name, method in METHODS.items():
+        own = sum(each == name and case in known for each, case in ladders(settings))
+        kept = sum(each == name for each, _ in need)
+        counts.append(f"{method.name}: keeps {power(COARSE)} in {kept} of {own} cases.")
+    return counts
 
 
 def _cases(study: Study) -> Table:
-    return Table(
-        ("case", "as in", "but with", "why"),
-        [
-            (
-                case.title,
-                link(figure_title(case.figure), f"#{case.figure}"),
-                settings_of(case.at),
-                case.reason,
-            )
-            for case in study.precision.cases.values()
-        ],
-    )
+    usual = [
+        (
+            case.title,
+            link(figure_title(case.figure), f"#{case.figure}"),
+            settings_of(case.at),
+            number(case.until or study.settings.horizon),
+            case.reason,
+        )
+        for case in study.precision.cases.values()
+    ]
+    hard = [
+        (subscripts(case.title), "device", settings_of(case.at), number(case.until), "hard")
+        for case in study.precision.hard.all_cases.values()
+    ]
+    return Table(("case", "as in", "but with", ">until τ", "why"), [*usual, *hard])
 
 
 def _needed(settings: Sequence[Setting], target: float, titles: Mapping[str, str]) -> Table:
-    need = needs(settings, target)
+    """Return a row for each case and a column for each method: its cost, or how near it comes."""
+    runs, need = ladders(settings), needs(settings, target)
+    first = {each.case: each for each in reversed(settings)}
     return Table(
-        ("method", *(f">{title}" for title in titles.values())),
+        ("case", "outcome", ">events", *(f">{method.name}" for method in METHODS.values())),
         [
-            (method.name, *(_cell(need.get((name, case))) for case in titles))
-            for name, method in METHODS.items()
+            (
+                subscripts(title),
+                first[case].outcome.replace("_", " "),
+                f"{first[case].events:,}",
+                *(_cell(runs.get((name, case)), need.get((name, case))) for name in METHODS),
+            )
+            for case, title in titles.items()
+            if case in first
         ],
     )
 
 
-def _cell(need: Setting | None) -> str:
-    if need is None:
+def _cell(ladder: Sequence[Setting] | None, need: Setting | None) -> str:
+    if need is not None:
+        return Markup("{:,}<br>{:,.0f} µs").format(need.rhs_evaluations, need.microseconds)
+    if ladder is None:
         return "–"
-    each = 1e3 * need.microseconds / need.events
-    return Markup("{:,}<br>{:,.0f} µs<br>{:,.0f} ns").format(
-        need.rhs_evaluations, need.microseconds, each
-    )
+    best = nearest(ladder)
+    if math.isnan(best.error):
+        return best.verdict.name.lower().replace("_", " ")
+    return Markup("<em>error {}</em>").format(power(best.error))

@@ -13,9 +13,10 @@ from benchmarks.problems import Verdict
 from benchmarks.work_precision import Setting
 from model.show import style
 
-# Blue: with event location; orange and purple: fixed steps; the others: scipy.
+# Thick: with event location; orange and purple: fixed steps; the others: scipy.
 LOOKS: Mapping[str, Mapping[str, Any]] = {
     "dop853_located": {"color": style.BLUE, "marker": "o", "linestyle": "-", "linewidth": 2.2},
+    "batch_located": {"color": style.VERMILLION, "marker": "s", "linestyle": "-", "linewidth": 2.2},
     "rk4_fixed": {"color": style.ORANGE, "marker": "^", "linestyle": "-"},
     "semi_implicit_euler_fixed": {"color": style.PURPLE, "marker": "v", "linestyle": "-"},
     "scipy_rk45": {"color": style.SKY_BLUE, "marker": "P", "linestyle": ":"},
@@ -31,6 +32,9 @@ CAPTIONS: Mapping[str, str] = {
     "lifts off.",
     "times": "CPU time of one trajectory over the true error, as measured in this build on this "
     "machine: neighbouring parameter sets on one core, median of repeats.",
+    "stability": "What each method needs to keep the true error on every case: evaluations of the "
+    "equations of motion. Where it does not, the smallest error that it reaches. No cell: "
+    "not run.",
 }
 
 

@@ -8,14 +8,15 @@
 
 from model.device import StatedDevice, load_device
 from model.device.reliability import reliable_at
+from model.device.runs import align, simulate
 from model.events.insertion import INSERTION
 from model.events.outcomes import Outcome, Reason
 from model.events.scenes import ALIGNMENT, PRINTED_CONTACTS, SUSPENDED, Scene
 from model.physics.parameters import Batch, Parameters
 from model.physics.variants import Variants
-from model.runs.align import Alignments, align
+from model.runs.align import Alignments
 from model.runs.settings import Settings
-from model.runs.simulate import Trajectory, simulate
+from model.runs.simulate import Trajectory
 
 Readings = Variants  # the name in the API
 

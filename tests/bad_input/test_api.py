@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from benchmarks.hard_cases import read_judged
 from benchmarks.work_precision import read_settings
 from model import Batch, Parameters, Scene, Variants, align, simulate
 from model.study.csv_tables import TableError
@@ -28,7 +27,9 @@ CALLS = {
         lambda p: align([p], readings=Variants.printed(), engine="batch"), ["batch", "scalar"],
     ),
     "something else than parameters": (lambda _: align([{"friction": 0.1}]), ["Parameters"]),
-    "one set in place of many": (align, ["Parameters"]),
+    "no device": (lambda _: align(0.3), ["Parameters", "load_device", "float"]),
+    "quantities in place of devices": (lambda _: align({"mass": 0.3}), ["Parameters", "dict"]),
+    "a scene that is none": (lambda p: simulate(p, scene="inserting"), ["insertion", "alignment"]),
     "many sets in place of one": (lambda p: simulate([p]), ["Parameters"]),
     "settings that are none": (lambda p: simulate(p, {"horizon": 1.0}), ["Settings"]),
     "a horizon in words": (lambda p: simulate(p, horizon="long"), ["horizon", "'long'"]),
@@ -75,7 +76,7 @@ def test_a_dataset(tmp_path, make):
     assert "build it again" in str(refusal.value)
 
 
-TABLES = {"hard cases": read_judged, "settings": read_settings}
+TABLES = {"settings": read_settings}
 
 
 @pytest.mark.parametrize("read", TABLES.values(), ids=list(TABLES))

@@ -27,7 +27,7 @@ from model.sweeps.files import write_json, write_text
 from model.sweeps.io import write_dataset
 
 COMMAND = [sys.executable, "-m", "model.cli.main"]
-PEG = str(study_path().parents[1] / "docs" / "peg.yaml")
+PEG = str(study_path().parents[1] / "tests" / "square" / "peg.yaml")
 
 OF_PEG = ["--device", PEG]
 DEVICE = ["simulate", *OF_PEG]

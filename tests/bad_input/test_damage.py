@@ -25,7 +25,7 @@ from model.tracking.history import discard_damaged, load_history
 from model.tracking.reference import verify
 
 PROJECT = Path(__file__).resolve().parents[2]
-PEG = PROJECT / "docs" / "devices" / "peg.yaml"
+PEG = PROJECT / "tests" / "square" / "devices" / "peg.yaml"
 
 DAMAGES: dict[str, Callable[[bytes], bytes]] = {
     "empty": lambda _: b"",

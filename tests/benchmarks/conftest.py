@@ -1,5 +1,5 @@
 """Made-up results of the comparison of methods, as fixtures."""
 
-from tests.comparison_data import judged, timed_settings
+from tests.comparison_data import timed_settings
 
-__all__ = ["judged", "timed_settings"]
+__all__ = ["timed_settings"]

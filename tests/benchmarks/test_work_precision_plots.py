@@ -10,13 +10,14 @@ from benchmarks.methods import METHODS
 from benchmarks.plans import PICTURES
 from benchmarks.problems import Verdict
 from benchmarks.report import work_precision_plots
-from benchmarks.report.advice import advice, needs
+from benchmarks.report.advice import advice, nearest, needs
 from benchmarks.report.work_precision_plots import (
     CAPTIONS,
     evaluations_over_error,
     time_over_error,
 )
 
+CASES = ("aligned", "sticking", "bouncing", "never_aligning")
 TITLES = {
     "aligned": "slides", "sticking": "sticks", "bouncing": "bounces", "never_aligning": "never",
 }  # fmt: skip
@@ -87,11 +88,18 @@ def test_a_wrong_outcome_at_a_finer_setting_takes_the_coarser_ones_away(timed_se
     assert ("dop853_located", "aligned") not in needs(settings, 1e-5)
 
 
+def test_the_nearest_setting_has_the_smallest_known_error(timed_settings):
+    bouncing = [each for each in timed_settings if (each.method, each.case) == (
+        "scipy_rk45", "bouncing")]  # fmt: skip
+    assert nearest(bouncing).error == 2e-3
+    assert nearest(bouncing[:1]) is bouncing[0]
+
+
 # --- Advice -------------------------------------------------------------------------------------
 
 
 def test_advice_names_what_was_measured(timed_settings):
-    numbers, scans = advice(timed_settings, TITLES)
+    numbers, scans = advice(timed_settings, CASES)
     label = METHODS["dop853_located"].name
     assert f"choose {label}: it keeps the true error below 10⁻⁸ in every case, at 160 µs" in (
         numbers
@@ -107,9 +115,9 @@ def test_advice_changes_with_what_was_measured(timed_settings):
         for setting in timed_settings
         if (setting.method, setting.resolution) == ("dop853_located", 1e-6)
     ]
-    _, scans = advice([*timed_settings, *better], TITLES)
+    _, scans = advice([*timed_settings, *better], CASES)
     assert f"choose {METHODS['scipy_rk45'].name}: it keeps" in scans
     none = [setting for setting in timed_settings if setting.case != "bouncing"]
-    numbers, scans = advice(none, TITLES)
-    assert numbers == "No method keeps the true error below 10⁻⁸ in every case."
-    assert scans == "No method keeps the true error below 10⁻⁵ in every case."
+    numbers, scans = advice(none, CASES)
+    assert numbers == "No method keeps the true error below 10⁻⁸ in every kind of motion."
+    assert scans == "No method keeps the true error below 10⁻⁵ in every kind of motion."

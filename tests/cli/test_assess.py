@@ -15,7 +15,7 @@ from model.device.leeways import Leeway
 from model.show.assumptions import assumptions
 from model.show.si import named_words
 
-PEG = str(Path(__file__).parents[2] / "docs" / "peg.yaml")
+PEG = str(Path(__file__).parents[1] / "square" / "peg.yaml")
 COARSE = ["--horizon", "60", "--tolerance", "1e-6"]
 IN_SECONDS = ["--horizon", "200 ms", "--tolerance", "1e-6"]  # of the peg: 20 of its units
 
@@ -101,7 +101,7 @@ def test_the_yield_of_a_device_that_goes_in_from_no_start_is_said_by_few_devices
     assert lines[1] == f"verdict         {words}"
     assert lines[2] == "starts          goes in from 0 of 32 starts"
     end = lines.index("assumed:")
-    assert lines[end + 7].startswith("  tolerances  as stated: ")
+    assert lines[end + 8].startswith("  tolerances  as stated: ")
     lines = lines[:end]
     shown = lines[next(i for i, line in enumerate(lines) if line.startswith("yield")) :]
     share = share.replace("yield", "yield          ")

@@ -10,7 +10,7 @@ import xarray as xr
 from model.cli import main as cli
 from model.device import design_trials
 
-PEG = Path(__file__).parents[2] / "docs" / "peg.yaml"
+PEG = Path(__file__).parents[1] / "square" / "peg.yaml"
 QUICK = ["--generations", "1", "--population", "5", "--devices", "64"]
 BASE = ["--horizon", "600 ms", "--set", "contact_stiffness=300 kN/m"]
 

@@ -9,13 +9,13 @@ from model.cli import main as cli
 from model.runs import in_browser
 from model.runs.in_browser import Modules, interface
 
-PEG = str(Path(__file__).parents[2] / "docs" / "peg.yaml")
+PEG = str(Path(__file__).parents[1] / "square" / "peg.yaml")
 
 
 @pytest.fixture
 def engines(monkeypatch: pytest.MonkeyPatch) -> None:
     """Engines that are not compiled."""
-    monkeypatch.setattr(in_browser, "modules", lambda: Modules(b"one", b"many", interface()))
+    monkeypatch.setattr(in_browser, "modules", lambda _: Modules(b"one", b"many", interface()))
 
 
 def model_in(page: Path) -> dict:

@@ -7,7 +7,7 @@ import pytest
 
 from model.cli import main as cli
 
-PEG = str(Path(__file__).parents[2] / "docs" / "devices" / "peg.yaml")
+PEG = str(Path(__file__).parents[1] / "square" / "devices" / "peg.yaml")
 PLANE = ["--x", "friction", "0.1", "0.2", "--y", "press_force", "1", "2"]
 
 

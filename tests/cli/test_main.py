@@ -226,7 +226,7 @@ def test_as_a_command():
 
 # --- A device in SI units -----------------------------------------------------------------------
 
-PEG = str(study_path().parents[1] / "docs" / "peg.yaml")
+PEG = str(study_path().parents[1] / "tests" / "square" / "peg.yaml")
 
 
 def test_a_device_file_gives_results_in_si_units(capsys):

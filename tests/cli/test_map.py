@@ -7,12 +7,11 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from model import load_device, simulate
 from model.cli import main as cli
-from model.device import load_device
 from model.events.insertion import INSERTION
 from model.events.outcomes import Outcome
 from model.runs.settings import Settings
-from model.runs.simulate import simulate
 from model.study.config import baseline
 from model.sweeps import sweep
 
@@ -33,7 +32,7 @@ def test_a_map_is_written_and_drawn_for_any_device(tmp_path, capsys):
     # Half of the press force, at most the half-width, from 1 to 5.
     assert "inserted to a depth of 0.5 to " in assumed
     assert {line.split()[0] for line in assumed.splitlines()} == {
-        "start", "touch-down", "goal", "base", "horizon", "precision",
+        "shape", "start", "touch-down", "goal", "base", "horizon", "precision",
     }  # fmt: skip
     assert {line.split()[0] for line in lines.splitlines()} == {
         "goes", "reliable", "vibration", "sensitive",
@@ -49,7 +48,7 @@ def test_a_map_is_written_and_drawn_for_any_device(tmp_path, capsys):
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
-PEG = str(Path(__file__).parents[2] / "docs" / "peg.yaml")
+PEG = str(Path(__file__).parents[1] / "square" / "peg.yaml")
 SI_PLANE = ["--device", PEG, "--x", "tilt_stiffness", "0.4", "0.8", "--y", "frequency", "10", "60"]
 
 
@@ -115,3 +114,17 @@ def test_an_interrupted_map_leaves_the_old_file(tmp_path, capsys, monkeypatch):
     assert "interrupted" in capsys.readouterr().err
     assert old.read_text() == "old"
     assert [path.name for path in tmp_path.iterdir()] == ["map.nc"]
+
+
+def test_an_axis_may_begin_below_zero(tmp_path, capsys):
+    out = tmp_path / "map.nc"
+    few = ["--resolution", "2", "--horizon", "1 ms", "--out", str(out)]
+    for given in (["-5deg", "5deg"], ["-5..5 deg"], ["-5..5", "deg"], ["−5deg", "5deg"]):
+        plane = ["--x", "initial_tilt", *given, "--y", "amplitude", "1 mm p-p", "2 mm p-p"]
+        assert cli.main(["map", "--device", PEG, *plane, *few]) == cli.DONE
+        with xr.open_dataset(out) as stored:
+            np.testing.assert_allclose(stored["initial_tilt"], np.radians([-5.0, 5.0]))
+            np.testing.assert_allclose(stored["amplitude"], [5e-4, 1e-3])
+    capsys.readouterr()
+    assert cli.main(["simulate", "--horizon", "-1e-3"]) == cli.REFUSED
+    assert "horizon = -0.001: must be a finite number > 0" in capsys.readouterr().err

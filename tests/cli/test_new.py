@@ -24,7 +24,7 @@ def test_the_new_file_names_every_quantity_and_runs_once_it_is_filled_in(tmp_pat
     assert cli.main(["new", str(path)]) == cli.DONE
     assert f"vibralign assess --device {path}" in capsys.readouterr().out
     text = path.read_text(encoding="utf-8")
-    for name in (*QUANTITIES, *LIMITS, "materials", "free", "limits", "start"):
+    for name in (*QUANTITIES, *LIMITS, "materials", "free", "limits", "start", "shape"):
         assert re.search(rf"\b{name}\b", text), name
     assert re.search(r"time: .* until it is aligned .*, not until it is inserted", text)
     assert cli.main(["simulate", "--device", str(path)]) == cli.REFUSED

@@ -1,4 +1,4 @@
-"""Progress of long commands: a line on a terminal, nothing elsewhere."""
+"""Progress of long commands: one line of a terminal, and in a log a line every ten seconds."""
 
 import logging
 import sys
@@ -7,6 +7,7 @@ import time
 import numpy as np
 
 from model.cli import main as cli
+from model.cli import progress
 from model.cli.progress import ProgressLine
 from model.engines.queue import Queue
 from model.runs import engines
@@ -36,7 +37,18 @@ def test_steps_and_runs_replace_each_other_on_one_line_of_a_terminal(capsys, mon
     assert not engines.PROGRESS.isEnabledFor(logging.INFO)
 
 
-def test_a_command_says_its_steps_to_a_terminal_only(capsys, monkeypatch):
+def test_a_log_gets_a_line_every_ten_seconds(capsys, monkeypatch):
+    now = iter(float(second) for second in range(100))
+    monkeypatch.setattr(progress.time, "monotonic", lambda: next(now))  # a second at every question
+    with ProgressLine() as line:
+        line.begin("leeways")
+        for done in range(22):
+            engines.PROGRESS.info("%s of 22 runs", done)
+    lines = capsys.readouterr().err.splitlines()
+    assert lines == ["leeways: 8 of 22 runs, after 10 s", "leeways: 18 of 22 runs, after 20 s"]
+
+
+def test_a_short_command_says_its_steps_to_a_terminal_only(capsys, monkeypatch):
     assert cli.main(COMMAND) == cli.DONE
     plain = capsys.readouterr()
     assert plain.err == ""

@@ -11,7 +11,7 @@ import pytest
 
 from model.compile import cache
 from model.compile.entries import compiled
-from model.compile.identity import PACKAGE
+from model.compile.identity import PACKAGE, digest_of
 from model.physics.contacts import dot
 from tests.compile.conftest import Restart
 from tests.compile.sources import PRELUDE, load
@@ -224,3 +224,10 @@ def test_a_file_outside_of_the_package_may_be_edited(
     restart()
     assert result(plain, "BY = 2.0\n") == 6.0
     assert len(made) == 3
+
+
+def test_functions_of_one_place_differ_by_their_constants() -> None:
+    functions = [lambda x: x + 1.0, lambda x: x + 2.0]
+    for each in functions:
+        each.__module__ = "model.physics.forces"
+    assert len({digest_of(each) for each in functions}) == 2

@@ -10,7 +10,7 @@ import pytest
 from model.compile.entries import bound, compiled
 from model.compile.kernels import kernel
 from model.compile.source import KernelError
-from tests.compile.sources import kernel_of, load
+from tests.compile.sources import bits, kernel_of, load
 
 KERNELS = """\
 @kernel
@@ -77,6 +77,15 @@ def test_fused_operations_are_the_only_difference() -> None:
     y = x * x
     assert compiled(function, contract=False)(x, y) == 0.0
     assert compiled(function)(x, y) in (0.0, 2.0**-60), "rounded twice or once"
+
+
+def test_fused_operations_may_reorder_nothing_and_keep_nan_and_zeros() -> None:
+    inf, body = float("inf"), "return (x + y) - y, isnan(x * y), 0.0 * x, x + 0.0, x / y * y"
+    function = kernel_of(body, "x, y")
+    for values in ((1.0, 1e17), (inf, 0.0), (-0.0, 1.0), (0.1, 3.0), (float("nan"), 1.0)):
+        with np.errstate(all="ignore"):
+            expected = function(*map(np.float64, values))
+        assert bits(compiled(function)(*values)) == bits(expected)
 
 
 @pytest.mark.parametrize(

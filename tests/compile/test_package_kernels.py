@@ -131,7 +131,7 @@ class Draw:
 
 _NUMBERS = (
     "time", "along", "c", "x", "y", "tilt", "moment", "depth", "closing_rate", "load",
-    "load_of_edge",
+    "load_of_edge", "gap", "before",
     "corner_load", "drive", "side_drive", "g11", "g12", "g21", "g22", "s", "share", "first",
     "angle", "value", "friction", "least", "noise", "period", "cycles",
 )  # fmt: skip

@@ -121,6 +121,7 @@ SAME_AS_PYTHON = {
     "break from items": ("x, n", "for v in (x, x + n, 3.0 * n):\n    if v == 2:\n        break\nreturn v"),
     "nothing to loop over": ("x", "v = x\nfor v in ():\n    v = 1.0\nfor i in range(0):\n    v = 2.0\nreturn v"),
     "static items": ("x", "s = 0.0\nfor name, by in (('x', 2), ('y', 3)):\n    s += getattr(Pair(x, 1.0), name) * by\nreturn s"),
+    "equal items that differ": ("x", "s = x\nfor v in (0.0, -0.0, 1.0, True, 1):\n    s = 3.0 * s + math.copysign(1.0, v) + (7.0 if isinstance(v, bool) else 0.0) + (2.0 if isinstance(v, float) else 0.0)\nreturn s"),
     "functions as items": ("x", "s = 0.0\nfor f in (double, triple):\n    s = f(s) + f(x)\nreturn s"),
     "return from items": ("n", "for v in (1, 2, 3):\n    if v == n:\n        return v * 10\nreturn -1"),
     "items in a loop": ("n", "s = 0\nfor i in range(3):\n    for v in (1, 2):\n        s += v * i\nreturn s"),

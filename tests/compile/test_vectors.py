@@ -93,6 +93,25 @@ def test_functions_of_vectors_are_called_by_name_and_by_address() -> None:
         assert w[: 5 * WIDTH].tolist() == blocks[:5].ravel().tolist()
 
 
+class _Twice(VectorWriter):
+    """Writes (block): doubles a vector, and doubles it again."""
+
+    def __init__(self, name: str) -> None:
+        super().__init__(name, 1)
+        for _ in range(2):
+            x = self.load(self.arguments[0], 0)
+            self.store(self.do("fadd", x, x), self.arguments[0], 0)
+
+
+def test_a_vector_that_was_stored_is_loaded_anew() -> None:
+    function = kernel_of("FUNCTION(w, (0,))", "w")
+    function.__globals__["FUNCTION"] = VectorFunction("twice", _Twice)
+    flat = np.ones(2 * WIDTH)
+    w = flat[(-flat.ctypes.data % 64) // 8 :][:WIDTH]
+    compiled(function)(w)
+    assert w.tolist() == [4.0] * WIDTH
+
+
 def test_another_function_of_the_same_name_is_another() -> None:
     class Other(_Polynomials):
         def vector(self, number: float) -> str:

@@ -29,7 +29,7 @@ from model.show import device_sheet
 from model.study.config import load_study, study_path
 from model.sweeps.starts import starts_of
 
-DOCS = Path(__file__).resolve().parents[2] / "docs"
+SQUARE = Path(__file__).resolve().parents[1] / "square"
 COUNT = 6
 VARIED = ("press_force", "frequency", "mass", "amplitude", "tilt_stiffness", "friction")
 HORIZON = 0.4  # s
@@ -37,13 +37,14 @@ ROUGH = ["--tolerance", "1e-6", "--horizon", f"{HORIZON} s"]
 
 
 def written(folder: Path, number: int) -> Path:
-    """Write a random device; every third is pressed first, and starts of bases differ."""
+    """Write a random device; every third is pressed first, every second is round."""
     rng = np.random.default_rng(4100 + number)
-    stated = load_device(DOCS / "devices" / ("pin.yaml", "peg.yaml", "shaft.yaml")[number % 3])
+    stated = load_device(SQUARE / "devices" / ("pin.yaml", "peg.yaml", "shaft.yaml")[number % 3])
     quantities = dict(stated.quantities)
     for name in VARIED:
         quantities[name] = float(f"{quantities[name] * np.exp(rng.normal(0.0, 0.3)):.4g}")
     lines: dict[str, object] = dict(quantities) | {"materials": stated.materials}
+    lines["shape"] = ("square", "round")[number % 2]
     lines |= {"friction": f"{quantities['friction']} ± 10 %", "mass": f"{quantities['mass']} ± 5 %"}
     lines |= {"press_force": f"{quantities['press_force']} ± 5 %"}
     if number % 3 == 1:
@@ -63,7 +64,9 @@ def said(capsys: pytest.CaptureFixture[str], *arguments: str) -> dict:
 def _no_advice(monkeypatch: pytest.MonkeyPatch, _no_leeways: None) -> None:
     """Leave out what is not asked here: leeways, Sobol' indices, pictures, the page's engines."""
     monkeypatch.setattr(yields, "sobol_indices_of", lambda *_, **__: ())
-    monkeypatch.setattr(in_browser, "modules", lambda: Modules(b"one", b"many", interface()))
+    monkeypatch.setattr(
+        in_browser, "modules", lambda shape: Modules(b"one", b"many", interface(shape=shape))
+    )
     monkeypatch.setattr(sheet, "_COUNT", 3)
     monkeypatch.setattr(device_sheet, "_picture", lambda _: "")
 
@@ -86,6 +89,7 @@ def agreed(path: Path, folder: Path, capsys: pytest.CaptureFixture[str]) -> bool
     settings = Settings(tolerance=1e-6, horizon=HORIZON / device.units.time, scene=INSERTION)
 
     # Python: the same device, start, scene and verdict.
+    assert assessed["shape"] == device.shape
     start = "pressed" if "start: pressed" in path.read_text() else None
     assert device.start == start
     assert reliable_at(device, settings, mass=[own["mass"]]).tolist() == [reliable]
@@ -152,5 +156,6 @@ def on_page(text: str) -> Trajectory:
         horizon=control["horizon"],
         start="pressed" if control["pressed"] else "simultaneous",
         scene=INSERTION,
+        shape=model["interface"]["shape"],
     )
     return simulate(device_of(values).parameters, settings)

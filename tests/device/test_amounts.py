@@ -41,6 +41,14 @@ POUND, INCH = 4.4482216152605, 0.0254  # N and m, by definition
         ("0.06 KHZ", "Hz", 60.0),
         ("3600 min-1", "Hz", 60.0),
         ("3600 RPM", "Hz", 60.0),
+        ("3600 r.p.m.", "Hz", 60.0),
+        ("3600 rev/min", "Hz", 60.0),
+        ("3600 U/min", "Hz", 60.0),
+        ("3600 r/min", "Hz", 60.0),
+        ("3600 /min", "Hz", 60.0),
+        ("3600 cpm", "Hz", 60.0),
+        ("60 rev/s", "Hz", 60.0),
+        ("130 grain", "kg", 130.0 * 0.45359237 / 7000.0),
         ("0.25 Kg", "kg", 0.25),
         ("5 Newton", "N", 5.0),
         ("−5 mm", "m", -5e-3),
@@ -107,6 +115,11 @@ def test_a_tolerance_is_a_width_or_a_share(text, unit, value, kind, relative, ar
         ("5 Nm", "N", "must be in N or alike, not in Nm"),
         ("5 MM", "m", "must be in m or alike, not in MM"),
         (None, "N", "it is not filled in: must be a number in N"),
+        ("130 gr", "kg", "gr is gram or grain: write 130 g or 130 grain"),
+        ("130 gr ± 5 gr", "kg", "write 130 g or 130 grain"),
+        ("0.13 kgr", "kg", "write 0.13 kg or 0.13 kgrain"),
+        ("450 gr cm²", "kg m²", "write 450 g cm² or 450 grain cm²"),
+        ("5 mm p-p", "m", "unknown unit"),  # an amplitude only is from peak to peak
     ],
 )
 def test_what_may_mean_two_things_is_refused_with_the_remedy(text, unit, words):
@@ -128,11 +141,67 @@ def test_what_may_mean_two_things_is_refused_with_the_remedy(text, unit, words):
         ("20…150", "Hz", (20.0, 150.0)),
         ("20...150 Hz", "Hz", (20.0, 150.0)),
         ("−5 to 5 mm", "m", (-5e-3, 5e-3)),
+        ("-5..5 mm", "m", (-5e-3, 5e-3)),
+        ("-5-5 mm", "m", (-5e-3, 5e-3)),
         ("1e-3-5e-3 N", "N", (1e-3, 5e-3)),
     ],
 )
 def test_a_range_is_written_with_a_word_dashes_or_dots(text, unit, ends):
     assert read_range("it", text, unit) == pytest.approx(ends)
+
+
+FREQUENCY = 60.0  # Hz
+RATE = 2.0 * math.pi * FREQUENCY  # a vibration A sin(ωt) has the velocity Aω, the acceleration Aω²
+
+
+@pytest.mark.parametrize(
+    ("text", "peak"),
+    [
+        ("0.8 mm", 0.8e-3),
+        ("0.8 mm peak", 0.8e-3),
+        ("0.8 mm 0-p", 0.8e-3),
+        ("0.8 mm p-p", 0.4e-3),
+        ("0.8 mm pk-pk", 0.4e-3),
+        ("0.8 mm Peak-to-Peak", 0.4e-3),
+        ("0.8 mm (p - p)", 0.4e-3),
+        ("0.8 mm p.p.", 0.4e-3),
+        ("800 µmpp", 0.4e-3),
+        ("0.8 mm rms", 0.8e-3 * math.sqrt(2.0)),
+        ("5 g", 5.0 * 9.80665 / RATE**2),
+        ("5 gn p-p", 2.5 * 9.80665 / RATE**2),
+        ("5 Grms", 5.0 * 9.80665 * math.sqrt(2.0) / RATE**2),
+        ("49 m/s²", 49.0 / RATE**2),
+        ("50 mm/s rms", 0.05 * math.sqrt(2.0) / RATE),
+    ],
+)
+def test_an_amplitude_is_the_peak_of_what_is_stated(text, peak):
+    assert read_amount("amplitude", text, "m", FREQUENCY).value == pytest.approx(peak, rel=1e-12)
+    absolute = read_amount("amplitude", f"{text} ± 0.1", "m", FREQUENCY).tolerance
+    relative = read_amount("amplitude", f"{text} ± 10 %", "m", FREQUENCY)
+    assert relative.tolerance.around(relative.value) == pytest.approx(0.1 * peak)
+    number = float(text.partition(" ")[0])
+    assert absolute.width == pytest.approx(0.1 / number * peak)
+
+
+def test_a_range_of_amplitudes_is_one_of_peaks():
+    assert read_range("amplitude", "0.2 to 1 mm p-p", "m") == pytest.approx((1e-4, 5e-4))
+    per_g = 9.80665 / RATE**2
+    assert read_range("amplitude", "1..5 g", "m", FREQUENCY) == pytest.approx((per_g, 5.0 * per_g))
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("0,8 mm p-p", "write 0.8 mm p-p"),
+        ("0.8 mm p-p ± 0.1 mm rms", "two of peak, peak-to-peak and rms: write one"),
+        ("5 g", "is an acceleration, which gives an amplitude at one frequency only.*write .* mm"),
+        ("50 mm/s", "is a velocity"),
+        ("5 kg", "must be in m or alike, not in kg"),
+    ],
+)
+def test_an_amplitude_that_is_not_one_peak_is_refused(text, words):
+    with pytest.raises(ValueError, match=words):
+        read_amount("amplitude", text, "m", None)
 
 
 @pytest.mark.parametrize(

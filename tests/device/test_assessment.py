@@ -16,7 +16,7 @@ from model.device.reliability import are_reliable, reliable_at, run_devices
 from model.sweeps.settings import Ensemble
 from model.sweeps.starts import every_start, starts_of
 
-PEG = Path(__file__).resolve().parents[2] / "docs" / "peg.yaml"
+PEG = Path(__file__).resolve().parents[1] / "square" / "peg.yaml"
 ENSEMBLE = Ensemble(phases=3, tilts=[1.0, 3.0], every=1)
 COARSE = Settings(horizon=60.0, tolerance=1e-7)
 

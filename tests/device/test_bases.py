@@ -18,7 +18,7 @@ from model.device.base import (
     restitution_of,
 )
 
-EXAMPLE = Path(__file__).resolve().parents[2] / "docs" / "peg.yaml"
+EXAMPLE = Path(__file__).resolve().parents[1] / "square" / "peg.yaml"
 STEEL = MATERIALS["steel"]
 
 
@@ -66,6 +66,10 @@ BASE = {"edge_radius": "0.2 mm", "materials": "steel on aluminium"}
 def test_materials_are_named_in_either_case_and_either_english():
     assert pair_of("Steel on Aluminum") == pair_of("steel on aluminium")
     assert pair_of("pom ON peek") == (MATERIALS["POM"], MATERIALS["PEEK"])
+    assert pair_of("POM-C on PA 6.6") == (MATERIALS["POM"], MATERIALS["PA66"])
+    assert pair_of("PA on PA66-GF30") == (MATERIALS["PA66"], MATERIALS["PA-GF30"])
+    assert pair_of("PBT on stainless steel") == (MATERIALS["PBT"], STEEL)
+    assert pair_of("PP on HDPE") == (MATERIALS["PP"], MATERIALS["PE"])
 
 
 def test_materials_and_a_restitution_become_contact_parameters():

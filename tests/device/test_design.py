@@ -15,7 +15,7 @@ from model.device.reliability import DeviceResults
 from model.events.outcomes import Unvibrated
 from model.runs.unvibrated import UnvibratedEnds
 
-PEG = Path(__file__).resolve().parents[2] / "docs" / "peg.yaml"
+PEG = Path(__file__).resolve().parents[1] / "square" / "peg.yaml"
 COARSE = Settings(horizon=60.0, tolerance=1e-6)
 STARTS = [{"phase": phase, "initial_tilt": 0.001} for phase in (0.0, 2.0, 4.0)]
 FREE = {"press_force": (4.0, 24.0), "tilt_stiffness": (0.1, 0.9)}

@@ -12,7 +12,7 @@ from model.device.holder import natural_frequencies
 from model.events.outcomes import Outcome
 from model.physics.quantities import FREQUENCY
 
-EXAMPLE = Path(__file__).resolve().parents[2] / "docs" / "peg.yaml"
+EXAMPLE = Path(__file__).resolve().parents[1] / "square" / "peg.yaml"
 WHOLE = {"half_width": "10 mm", "half_height": "40 mm"}
 HERTZ = {"materials": "steel on aluminium", "edge_radius": "0.2 mm"}
 
@@ -192,7 +192,7 @@ def test_a_device_saved_in_another_encoding_is_read_or_refused_with_the_remedy(t
     path = peg(tmp_path, friction="0.15 ± 0.05")
     path.write_bytes(path.read_text(encoding="utf-8").encode(encoding))
     if encoding == "cp1252":
-        with pytest.raises(DeviceError, match="line 19 is not UTF-8 text: save the file as UTF-8"):
+        with pytest.raises(DeviceError, match="line 20 is not UTF-8 text: save the file as UTF-8"):
             load_device(path)
     else:
         assert load_device(path).tolerances["friction"].width == 0.05
@@ -235,3 +235,20 @@ def test_a_stated_base_replaces_what_the_file_derives_it_from() -> None:
     assert load_device(shaft, {"press_force": 18.0}).resolved({})["contact_stiffness"] == (
         pytest.approx(own["contact_stiffness"] * 1.5 ** (1.0 / 3.0))
     )
+
+
+def test_an_amplitude_in_g_holds_at_the_frequency_of_the_file(tmp_path):
+    file = peg(tmp_path, amplitude="5 g")
+    amplitude = 5.0 * 9.80665 / (2.0 * math.pi * 50.0) ** 2
+    assert load_device(file).quantities["amplitude"] == pytest.approx(amplitude)
+    other = load_device(file, {"frequency": "80 Hz"})
+    assert other.quantities["amplitude"] == pytest.approx(amplitude)  # as in leeways and maps
+    assert "amplitude = 5 g is 0.4968 mm at 50 Hz, and stays so" in other.doubts[0]
+    both = load_device(file, {"frequency": "80 Hz", "amplitude": "5 g"})
+    assert both.quantities["amplitude"] == pytest.approx(amplitude * (50.0 / 80.0) ** 2)
+    assert not both.notes
+    free = peg(tmp_path, amplitude="5 g", more="\nfree:\n  frequency: 40 to 60 Hz\n")
+    with pytest.raises(DeviceError, match=r"is an acceleration.*write the amplitude in mm"):
+        load_device(free)
+    with pytest.raises(DeviceError, match=r"is an acceleration.*write the amplitude in mm"):
+        load_device(peg(tmp_path, amplitude="5 g", frequency="50 Hz ± 1 Hz"))

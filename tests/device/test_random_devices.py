@@ -40,6 +40,7 @@ def random_device(folder: Path, number: int, **lines: str) -> Path:
         given = {name: each for name, each in given.items() if name not in OF_A_BASE}
         del given["materials"]
     given |= {name: f"{given[name]} {text}" for name, text in lines.items()}
+    given["shape"] = stated.shape
     path = folder / f"device{number}.yaml"
     path.write_text(yaml.safe_dump(given, allow_unicode=True), encoding="utf-8")
     return path
@@ -105,7 +106,7 @@ def test_a_case_is_the_device_that_set_states(tmp_path):
         path = random_device(tmp_path, number)
         device = load_device(path)
         cases = cases_of(device, FEW)
-        columns = on_bases(Batch.stack([device.parameters]), [device.units], cases)
+        columns = on_bases(Batch.stack([device.parameters]), [device.units], cases, device.shape)
         steel = 1.05 * (6.0 * 1.154e11**2 * device.quantities["half_width"]) ** (1.0 / 3.0)
         for row, case in enumerate(cases):
             stated = stated_case(device, case)

@@ -20,7 +20,7 @@ from model.device.yields import (
     yield_of,
 )
 
-PEG = Path(__file__).resolve().parents[2] / "docs" / "peg.yaml"
+PEG = Path(__file__).resolve().parents[1] / "square" / "peg.yaml"
 COARSE = Settings(horizon=60.0, tolerance=1e-6)
 STARTS = [{"phase": phase, "initial_tilt": 0.001} for phase in (0.0, 2.0, 4.0)]
 

@@ -164,3 +164,14 @@ def test_a_run_that_creeps_to_the_slot_does_not_settle():
 def test_a_run_that_creeps_under_its_transient_does_not_settle():
     run = simulate(CREEPING_UNDER_ITS_TRANSIENT, horizon=120.0)
     assert run.outcome is Outcome.HORIZON_REACHED
+
+
+@pytest.mark.parametrize("turns", [2, 3, 5, 7])
+def test_a_transient_that_turns_as_it_decays_has_the_period_of_its_cycle(first_settled, turns):
+    # After ``turns`` periods it points the same way again, and no sooner.
+    angle = 2.0 * np.pi / turns * periods(400)
+    turning = 0.95 ** periods(400) * np.hstack([np.cos(angle), np.sin(angle)] * 3)
+    _, period = first_settled(1.0 + 1e-2 * turning)
+    assert period == 1
+    cycle = np.arange(400)[:, None] % 2
+    assert first_settled(cycle + 1e-2 * turning)[1] == 2

@@ -57,8 +57,8 @@ def example(monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..., Names]]:
     plt.close("all")
 
 
-def test_eight_short_scripts_begin_with_a_title_and_a_sentence():
-    assert [path.name[0] for path in SCRIPTS] == [*"12345678"]
+def test_nine_short_scripts_begin_with_a_title_and_a_sentence():
+    assert [path.name[0] for path in SCRIPTS] == [*"123456789"]
     for path in SCRIPTS:
         if path.suffix == ".ipynb":
             cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
@@ -176,3 +176,25 @@ def test_a_pull_moves_the_peg_as_a_lateral_spring_does_whose_rest_is_elsewhere(e
         # Two ways of the same sum: rounding alone is between them.
         assert line.get_xdata()[-1] == pytest.approx(expected.time[-1], rel=1e-6)
         assert line.get_ydata()[-1] == pytest.approx(expected.state[-1][0], rel=1e-5)
+
+
+def test_the_study_draws_the_longest_time_of_the_runs_that_align(example):
+    names = example(
+        "9_study.py", less={"points=24": "points=6", "2.0 * np.pi, 8": "2.0 * np.pi, 4"}
+    )
+    study, longest = names["study"], names["longest"]
+    assert 0 < int(np.isfinite(longest).sum()) < longest.size
+    place = {"frequency": 3, "press_force": 1}
+    runs = [
+        simulate(load_device(EXAMPLES / "peg.yaml").changed(
+            phase=phase, **{n: float(study[n][i]) for n, i in place.items()}
+        ))
+        for phase in names["phases"].tolist()
+    ]  # fmt: skip
+    seconds = [run.tau_align * load_device(EXAMPLES / "peg.yaml").units.time for run in runs]
+    assert float(longest.isel(place)) == pytest.approx(max(seconds), abs=1e-7)
+    axes, bar = plt.gcf().axes
+    assert (axes.get_xlabel(), bar.get_ylabel()) == (
+        "excitation frequency [Hz]",
+        "alignment duration [s]",
+    )

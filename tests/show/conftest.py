@@ -3,12 +3,12 @@
 import pytest
 import xarray as xr
 
-from tests.comparison_data import judged, timed_settings
+from tests.comparison_data import timed_settings
 from tests.show.drawn import DURATIONS, grid
 from tests.show.report_data import datasets, lines, rendered, root, study
 
 __all__ = [
-    "datasets", "judged", "lines", "rendered", "root", "study",
+    "datasets", "lines", "rendered", "root", "study",
     "timed_settings",
 ]  # fmt: skip
 

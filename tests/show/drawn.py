@@ -10,6 +10,7 @@ from model.physics.parameters import FIELDS
 from model.study.config import baseline
 
 NAN = np.nan
+FREQUENCY = 0.5  # its period is 4 π: no two neighbours of DURATIONS differ by a third of it
 # Gaps at the start, inside and at the end; single points between gaps; a curve without any.
 DURATIONS = np.array(
     [
@@ -30,7 +31,7 @@ def grid(kind: str, y: str, x: str, durations: np.ndarray) -> xr.Dataset:
         return name, values, {"long_name": field.description, "symbol": field.symbol, "units": "1"}
 
     outcome = np.where(np.isnan(durations), Outcome.SETTLED, Outcome.ALIGNED).astype(np.int8)
-    return xr.Dataset(
+    made_up = xr.Dataset(
         {
             "tau_align": ((y, x), durations, {"long_name": "alignment duration", "symbol": "τ"}),
             "outcome": ((y, x), outcome),
@@ -42,6 +43,7 @@ def grid(kind: str, y: str, x: str, durations: np.ndarray) -> xr.Dataset:
         },
         {"kind": kind, "figure": "fig00", "readings": json.dumps({})},
     )
+    return made_up if "frequency" in (y, x) else made_up.assign_coords(frequency=FREQUENCY)
 
 
 def named(artists, label: str) -> list:

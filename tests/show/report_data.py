@@ -6,8 +6,7 @@ from html.parser import HTMLParser
 
 import pytest
 
-from benchmarks.hard_cases import table_of
-from benchmarks.plans import HARD_PICTURES, PICTURES
+from benchmarks.plans import PICTURES
 from benchmarks.report import SECTIONS
 from benchmarks.work_precision import table_of as settings_table
 from model.show.report import page as report_page
@@ -93,7 +92,7 @@ def lines(datasets):
 
 
 @pytest.fixture(scope="module")
-def root(study, datasets, lines, timed_settings, judged, tmp_path_factory):
+def root(study, datasets, lines, timed_settings, tmp_path_factory):
     root = tmp_path_factory.mktemp("results")
     for name, dataset in datasets.items():
         write_dataset(dataset, root / f"data/{name}.nc")
@@ -103,10 +102,9 @@ def root(study, datasets, lines, timed_settings, judged, tmp_path_factory):
         (root / folder).mkdir()
     measured = settings_table(timed_settings, times=True)
     (root / "benchmarks/precision.csv").write_text(measured, encoding="utf-8")
-    (root / "benchmarks/hard_cases.csv").write_text(table_of(judged, times=True), encoding="utf-8")
     drawn = "claims", "jamming", "fig13_vibration"
     places = [f"figures/{name}" for name in (*study.figures, *drawn)]
-    for place in (*places, *PICTURES.values(), *HARD_PICTURES.values()):
+    for place in (*places, *PICTURES.values()):
         (root / f"{place}.png").write_bytes(PIXEL)
     return root
 

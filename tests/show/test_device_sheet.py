@@ -8,7 +8,7 @@ from model.device import load_device
 from model.runs.settings import Settings
 from model.study.config import load_study, study_path
 
-PEG = Path(__file__).resolve().parents[2] / "docs" / "devices" / "peg.yaml"
+PEG = Path(__file__).resolve().parents[1] / "square" / "devices" / "peg.yaml"
 VERDICT = ("reliable at the stated values; yield 100 % under the tolerances", True)
 GROUPS = {
     "Verdict": ["starts   aligns from 32 of 32 starts", "at most  19 N"],

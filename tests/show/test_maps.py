@@ -1,6 +1,4 @@
-"""Figs. 13, 14: colours, hatching, borders, contours and marks agree with the dataset."""
-
-import itertools
+"""Figs. 13, 14: colours, hatching, borders and contours agree with the dataset."""
 
 import numpy as np
 import pytest
@@ -15,7 +13,6 @@ from model.show import style
 from model.show.maps import (
     ADDED_LABELS,
     LEFT_LABEL,
-    MARK_LABEL,
     RELIABLE_LABEL,
     SLOW_LABEL,
     VIBRATION_LABEL,
@@ -181,45 +178,6 @@ def test_what_vibration_adds_is_shown_as_four_areas():
 def test_without_reliability_there_is_no_outline():
     assert contours(draw(dataset(reliable=False)), f"_{RELIABLE_LABEL}") == []
     assert RELIABLE_LABEL not in words(draw(dataset().drop_vars("reliable")))
-
-
-def test_operating_points_are_those_of_the_other_figures():
-    marks = [
-        ("fig05", [20.0], [1.5]),
-        ("fig06", [10.0], [0.25, 10.0]),
-        ("fig07", [20.0], [1.5]),
-        ("fig08", [1.0, 30.0], [3.0]),
-        ("fig09", [99.0], [3.0]),
-    ]
-    figure = draw(dataset(), marks=marks)
-    assert MARK_LABEL in words(figure)
-    axes = figure.axes[0]
-    places = {text.get_text(): text.xy for text in axes.texts if hasattr(text, "xy")}
-    assert places["5, 7"] == (20.0, 1.5)
-    assert places["6"] == (10.0, 10.0)
-    assert places["8"] == (30.0, 3.0)
-    assert not {"9", "5", "7"} & set(places)
-    swept = {str(line.get_label()): line for line in axes.lines}
-    assert swept["_swept fig06"].get_xdata().tolist() == [10.0, 10.0]
-    assert swept["_swept fig06"].get_ydata().tolist() == [0.25, 10.0]
-    assert "_swept fig05" not in swept
-
-
-def test_numbers_of_ranges_move_along_their_lines_to_free_places():
-    marks = [
-        ("fig06", [10.0], [0.25, 10.0]),
-        ("fig12", [9.7], [0.25, 10.0]),
-        ("fig07", [10.0], [9.5]),
-        ("fig08", [20.0], [0.25, 10.0]),
-    ]
-    axes = draw(dataset(), marks=marks).axes[0]
-    places = {text.get_text(): text.xy for text in axes.texts if hasattr(text, "xy")}
-    assert places["7"] == (10.0, 9.5)
-    assert places["8"] == (20.0, 10.0)
-    assert (places["6"][0], places["12"][0]) == (10.0, 9.7)
-    for one, other in itertools.combinations(places.values(), 2):
-        assert np.hypot(*(np.subtract(one, other) / (29.0, 9.75))) > 0.04, (one, other)
-    assert min(places["6"][1], places["12"][1]) > 8.5  # no further than they must
 
 
 @pytest.mark.parametrize(

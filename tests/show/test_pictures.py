@@ -6,8 +6,7 @@ import pytest
 from matplotlib.testing.compare import compare_images
 
 from model.show import plots, schematics, style
-from model.study.config import FIGURES, MAPS, SCHEMATICS, load_study, study_path
-from model.study.plans import marks_of
+from model.study.config import FIGURES, SCHEMATICS, load_study, study_path
 from model.sweeps.io import read_dataset
 
 REFERENCE = Path(__file__).resolve().parents[1] / "reference"
@@ -22,8 +21,7 @@ def test_a_figure_is_the_accepted_picture(name: str, tmp_path: Path) -> None:
     if name in SCHEMATICS:
         figure = schematics.DRAWINGS[name](STUDY.parameters(name))
     else:
-        more = {"marks": marks_of(STUDY, name)} if name in MAPS else {}
-        figure = plots.draw(read_dataset(REFERENCE / f"{name}.nc"), **more)
+        figure = plots.draw(read_dataset(REFERENCE / f"{name}.nc"))
     style.write(figure, tmp_path / f"{name}.png")
     told = compare_images(REFERENCE / f"{name}.png", tmp_path / f"{name}.png", TOLERANCE)
     assert told is None, told

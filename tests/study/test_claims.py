@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 
-from model.events.outcomes import Unvibrated
+from model.events.outcomes import InsertionOutcome, Unvibrated
 from model.study.claims import CLAIMS, VERDICTS, Judgement, Tables, judge, tally
 from model.study.claims.claims import ClaimsError, claims_of, limit_of
 from model.study.claims.data import table_of
@@ -17,12 +17,13 @@ from model.study.claims.statistics import explained, trend
 from model.study.config import FIGURES, load_study, study_path
 from model.study.plans import sweep_of
 from model.sweeps.sweep import TRACK_QUANTITIES, merge, run
+from tests.study.claims_cases import CASES
 from tests.study.claims_data import (
-    CASES,
     NAN,
     Course,
     bump,
     falling,
+    one_run,
     ragged,
     rising,
     runs,
@@ -93,14 +94,11 @@ def test_curves_that_a_claim_names_may_be_missing() -> None:
     assert "no column for 'unvibrated == 1" in found("M4b", without).seen
 
 
-def one_run(**changed: float) -> dict[str, xr.Dataset]:
-    """Fig. 5 with variables changed."""
-    dataset = Course().datasets["fig05"].copy(deep=True)
-    for name, value in changed.items():
-        dataset[name].values[...] = value
-    return {"fig05": dataset}
-
-
+CLIMBS_OUT = runs(
+    "fig08",
+    lambda v, k: 10.0 / k if k > 3.0 + v else NAN,
+    insertion=lambda _, k: InsertionOutcome.CLIMBED_OUT if k < 13.0 else InsertionOutcome.INSERTED,
+)
 ALIGNS_UNVIBRATED, TOPPLES_UNVIBRATED = (
     runs("fig06", unvibrated=float(end), unvibrated_tilt=NAN)
     for end in (Unvibrated.ALIGNS, Unvibrated.LEAVES)
@@ -120,12 +118,11 @@ ALIGNS_UNVIBRATED, TOPPLES_UNVIBRATED = (
         # history that did not begin.
         ("F5e", one_run(outcome=1, tau_align=NAN), "contradicted"),
         ("F5a", {"fig05": one_run(outcome=3)["fig05"].isel(time=[0])}, "not checkable"),
-        # A part jammed between both edges does not rest on one.
-        (
-            "M4",
-            runs("pressed", NAN, side_force_max=lambda k, _: 1.0 if k == 7.0 else 0.0),
-            "mixed",
-        ),
+        # What leans on both edges does not rest on one, and has no resting tilt.
+        ("M2", runs("pressed", NAN, tilt_end=lambda _, f: f, side_force_max=1.0), "contradicted"),
+        # What climbs out again aligns, but does not stay.
+        ("F8c", CLIMBS_OUT, "contradicted"),
+        ("F8b", CLIMBS_OUT, "reproduced"),
         # What aligns or topples unvibrated is no vibratory alignment.
         ("M4b", ALIGNS_UNVIBRATED, "contradicted"),
         ("M4b", TOPPLES_UNVIBRATED, "contradicted"),

@@ -10,7 +10,7 @@ from tests.study.claims_data import NAN, runs
 
 
 def test_every_number_is_a_share_or_a_tilt_of_the_aligned_points() -> None:
-    # 4 of 40 forces align without vibration, the next 4 topple, the next 4 rest at 0.4 rad; those
+    # 4 of 40 forces align without vibration, the next 4 topple, the next 4 rest upright; those
     # above 5 do not align.
     def ends(_: float, f: float) -> float:
         return float(Unvibrated.ALIGNS if f < 1.2 else Unvibrated.LEAVES if f < 2.2 else 1)
@@ -19,7 +19,7 @@ def test_every_number_is_a_share_or_a_tilt_of_the_aligned_points() -> None:
         "fig06",
         lambda _, f: 5.0 if f < 5.2 else NAN,
         unvibrated=ends,
-        unvibrated_tilt=lambda k, f: 0.4 if 2.2 < f < 3.2 else (0.1 if ends(k, f) == 1 else NAN),
+        unvibrated_tilt=lambda k, f: 0.0 if 2.2 < f < 3.2 else (0.1 if ends(k, f) == 1 else NAN),
         tilt_at_alignment=lambda _, f: -0.3 if f < 0.4 else 0.1,
         tau_corners_inside=lambda _, f: NAN if f > 4.9 else 5.1,
         separations=lambda _, f: 2.0 if f < 0.6 else 0.0,

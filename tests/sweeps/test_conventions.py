@@ -24,7 +24,7 @@ from model.sweeps.settings import Ensemble, RunSettings
 from model.sweeps.sweep import Sweep, merge, run
 from model.sweeps.version import version
 
-PEG = Path(__file__).resolve().parents[2] / "docs" / "devices" / "peg.yaml"
+PEG = Path(__file__).resolve().parents[1] / "square" / "devices" / "peg.yaml"
 # The checker seeks the coordinates of a file anew for each variable: five sixths of its time.
 CHECKER = """
 import sys

@@ -26,7 +26,7 @@ PATIENT = replace(SETTINGS, max_evaluations=10_000)  # enough for a device to al
 BOUNCES_ON_EDGE = (4017, 5696)  # in flight or not, as a part in 10⁹ of its start decides
 IN_SLOT = 1000  # sets of the insertion scene
 SETTLES = 24_390  # as hardly one set in ten thousand does before the horizon
-# Sets that one engine or both got wrong without a flag; decision 21 says why.
+# Sets that one engine or both got wrong without a flag; decision 8 says why.
 ONCE_WRONG = (
     61987, 115174, 138461, 307496, 488748, 518930, 567408, 624176, 690504, 764952, 813861, 837068,
     846441, 1016048,

@@ -54,14 +54,19 @@ TINY: dict[str, Any] = {
             "max_evaluations": 20_000,
             "max_evaluations_scipy": 1_000,
         },
-    },
-    "hard_cases": {
-        "max_evaluations": 2_000,
-        "every_method": {"max_evaluations": 50, "cases": ["no_friction"]},
-        "base": {"stiffness": [1e2, 1e4], "damping": [1.0], "until": 0.1},
-        "cases": {
-            "many_lift_offs": {"until": 0.1, "max_evaluations": 2_000},
-            "long_horizon": {"until": 0.1, "max_evaluations": 2_000},
+        "hard": {
+            "ladder": {
+                "tolerances": [1e-3],
+                "steps": [0.01],
+                "max_evaluations": 2_000,
+                "max_evaluations_scipy": 50,
+            },
+            "every_method": ["no_friction"],
+            "base": {"stiffness": [1e2, 1e4], "damping": [1.0], "until": 0.1},
+            "cases": {
+                "many_lift_offs": {"until": 0.1, "max_evaluations": 2_000},
+                "long_horizon": {"until": 0.1, "max_evaluations": 2_000},
+            },
         },
     },
     "claims_runs": {
@@ -286,9 +291,8 @@ class Workspace:
 
     def take_times(self, other: "Workspace") -> None:
         """Copy CPU times, which differ between builds, from another build of the whole study."""
-        for name in ("precision", "hard_cases"):
-            times = f"tiny/benchmarks/{name}.csv"
-            (self.folder / times).write_bytes((other.folder / times).read_bytes())
+        times = "tiny/benchmarks/precision.csv"
+        (self.folder / times).write_bytes((other.folder / times).read_bytes())
 
     def results(self) -> dict[str, str]:
         """Hashes of all datasets, pictures, pages and the claims by their path."""

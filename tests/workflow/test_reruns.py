@@ -18,7 +18,7 @@ import pytest
 PROJECT = Path(__file__).resolve().parents[2]
 
 LAST = {"report"}
-COMPARED = {"precision", "hard_cases", "draw_methods"}
+COMPARED = {"precision", "draw_methods"}
 METHODS = {*COMPARED, *LAST}
 JUDGED = {"claims", *LAST}
 DRAWN = {"plot", *JUDGED}

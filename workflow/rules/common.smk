@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from model.study.plans import marks_of, sweep_of
+from model.study.plans import sweep_of
 from model.tracking.code import code_of
-from benchmarks.plans import HARD_PICTURES, PICTURES
+from benchmarks.plans import PICTURES
 
 
 def code(script):
@@ -37,7 +37,7 @@ def chunks(wildcards):
 
 def picture_at(wildcards):
     """Return the name of the picture at a place, in the comparison of methods."""
-    return {place: name for name, place in {**PICTURES, **HARD_PICTURES}.items()}[wildcards.place]
+    return {place: name for name, place in PICTURES.items()}[wildcards.place]
 
 
 def numbers_of_part(wildcards):

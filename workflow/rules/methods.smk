@@ -1,16 +1,10 @@
-"""Comparison of methods: speed against error, and hard cases.
+"""Comparison of methods: error against cost, on usual and on hard cases.
 
 Errors and evaluations are the same in every build. CPU times are not: they are kept in benchmarks/,
 and nothing in data/ or figures/ is made from them.
 """
 
-from benchmarks.plans import hard_cases_plan, precision_plan
-
-drawn_from = {
-    "evaluations": ["<results>/data/precision.csv"],
-    "times": ["<results>/benchmarks/precision.csv"],
-    **dict.fromkeys(HARD_PICTURES, ["<results>/data/hard_cases.csv"]),
-}
+from benchmarks.plans import precision_plan
 
 
 # Apart from the other kernels, so that an edit of the compared methods reruns no figure.
@@ -53,28 +47,13 @@ rule precision:
         "../scripts/precision.py"
 
 
-rule hard_cases:
-    input:
-        "<results>/data/unlocated_kernels.json",
-    output:
-        data="<results>/data/hard_cases.csv",
-        times="<results>/benchmarks/hard_cases.csv",
-        record="<results>/data/hard_cases.run.json",
-    log:
-        "<results>/logs/hard_cases.log",
-    priority: 2
-    params:
-        *code("hard_cases"),
-        plan=stated(hard_cases_plan(study)),
-    message:
-        "every method on every hard case"
-    script:
-        "../scripts/hard_cases.py"
-
-
 rule draw_methods:
     input:
-        lambda wildcards: drawn_from[picture_at(wildcards)],
+        lambda wildcards: (
+            "<results>/benchmarks/precision.csv"
+            if picture_at(wildcards) == "times"
+            else "<results>/data/precision.csv"
+        ),
     output:
         multiext("<results>/{place}", ".svg", ".pdf"),
         png=report("<results>/{place}.png", caption="../report/methods.rst", category="Methods"),
@@ -82,13 +61,16 @@ rule draw_methods:
     log:
         "<results>/logs/draw_methods/{place}.log",
     wildcard_constraints:
-        place="|".join([*PICTURES.values(), *HARD_PICTURES.values()]),
+        place="|".join(PICTURES.values()),
     localrule: True
     params:
         *code("draw_methods"),
         picture=picture_at,
-        titles={name: case.title for name, case in study.precision.cases.items()},
-        hard_cases=stated(study.hard_cases),
+        titles=lambda wildcards: (
+            study.precision.titles
+            if picture_at(wildcards) == "stability"
+            else {name: case.title for name, case in study.precision.cases.items()}
+        ),
     message:
         "methods: drawing {wildcards.place}"
     script:

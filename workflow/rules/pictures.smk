@@ -13,7 +13,6 @@ PLOTTED = {
     "claims": ([f"data/claims/{run}.nc" for run in study.claims_runs], "claims", "Claims"),
     "jamming": (["data/jamming.nc"], "jamming", "Claims"),
 }
-MARKED = [*MAPS, *PLANES]  # pictures with marks where the other figures stand
 
 
 rule schematic:
@@ -58,9 +57,6 @@ rule plot:
     params:
         *code("plot"),
         drawing=lambda wildcards: PLOTTED[wildcards.picture][1],
-        more=lambda wildcards: (
-            {"marks": marks_of(study, wildcards.picture)} if wildcards.picture in MARKED else {}
-        ),
     message:
         "{wildcards.picture}: plotting"
     script:

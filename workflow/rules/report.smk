@@ -3,7 +3,6 @@
 shown = [
     *(f"figures/{figure}" for figure in FIGURES),
     *PICTURES.values(),
-    *HARD_PICTURES.values(),
     "figures/claims",
     "figures/jamming",
     *(f"figures/{map}_vibration" for map in WITH_VIBRATION if map in MAPS),
@@ -55,7 +54,7 @@ rule report:
         "<results>/explorer.html",
         pictures(*shown),
         expand("<results>/data/{figure}.nc", figure=COMPUTED),
-        expand("<results>/benchmarks/{table}.csv", table=["precision", "hard_cases"]),
+        "<results>/benchmarks/precision.csv",
         "<results>/data/jamming.nc",
         "<results>/claims.csv",
     output:

@@ -9,5 +9,5 @@ from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake):
     datasets = [read_dataset(Path(file)) for file in snakemake.input]
-    figure = DRAWINGS[snakemake.params.drawing](*datasets, **snakemake.params.more)
+    figure = DRAWINGS[snakemake.params.drawing](*datasets)
     save(figure, Path(snakemake.output.png).with_suffix(""))

@@ -2,18 +2,17 @@
 
 from pathlib import Path
 
-from benchmarks.methods import METHODS
 from benchmarks.plans import PrecisionPlan
-from benchmarks.work_precision import Setting, Truth, measured, table_of, true_run
+from benchmarks.work_precision import Setting, measured, methods_for, table_of, true_run
 from model.sweeps.files import write_text
 from model.tracking.job import recorded, snakemake
 
 with recorded(snakemake) as metadata:
     plan = PrecisionPlan.model_validate(snakemake.params.plan)
     settings: list[Setting] = []
-    for case in plan.cases:
-        truth = Truth.of(true_run(plan, case))
-        for method in METHODS:
+    for case, numbers in plan.cases.items():
+        truth = true_run(plan, case)
+        for method in methods_for(numbers):
             settings += measured(plan, case, method, truth)
     write_text(table_of(settings, times=False), Path(snakemake.output.data))
     write_text(table_of(settings, times=True), Path(snakemake.output.times))

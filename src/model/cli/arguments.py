@@ -14,9 +14,10 @@ from model.cli.tables import in_columns
 from model.compile.cache import cache_folder
 from model.device import StatedDevice, load_device
 from model.device.amounts import read_amount
-from model.device.base import BASE
+from model.device.base import BASE, CENTRE, CENTRE_WORDS
 from model.device.holder import RATIOS
-from model.physics.parameters import FIELDS, PARAMETER_NAMES, Parameters, check_name
+from model.device.spelling import plain
+from model.physics.parameters import FIELDS, PARAMETER_NAMES, Parameters, Shape, check_name
 from model.physics.quantities import LENGTH, TIME
 from model.physics.rest import Start
 from model.physics.units import UNITS, Units
@@ -92,6 +93,11 @@ def add_model_options(
     words = "press and vibration set in together, or the part rests under a slow press before it "
     words += "vibrates (default: as in the device's file, or the study)"
     add("--start", choices=get_args(Start), help=words)
+    words = (
+        "round part in a round hole, or a square one beside a slot as in the paper (default: as "
+    )
+    words += "in the device's file, round where it states none; square without --device)"
+    add("--shape", choices=get_args(Shape), help=words)
     words = "end of a run: alignment, or insertion, jamming or climbing out after it "
     words += f"(default: {scene})"
     add("--scene", choices=list(SCENES), default=scene, help=words)
@@ -105,8 +111,8 @@ def add_model_options(
 
 def announce_compilation() -> None:
     """Say at a terminal that the kernels are compiled first, unless they are cached."""
-    if sys.stderr.isatty() and not any(cache_folder().rglob("*.nbi")):
-        print("compiling the model, this once: about half a minute …", file=sys.stderr)
+    if sys.stderr.isatty() and not any(cache_folder().rglob("*.o")):
+        print("compiling the model, this once: some seconds …", file=sys.stderr)
 
 
 def pairs(given: Sequence[str], option: str) -> dict[str, str]:
@@ -129,7 +135,7 @@ def number(name: str, text: str, rule: str = "must be a number") -> float:
         ValueError: it is no number; the message has the ``name`` of the quantity and the ``rule``.
     """
     try:
-        return float(text)
+        return float(plain(text))
     except ValueError:
         raise ValueError(f"{name} = {text!r}: {rule}") from None
 
@@ -168,6 +174,8 @@ def _stated_device(arguments: argparse.Namespace) -> StatedDevice | None:
         if (text := getattr(arguments, name)) is not None:
             value = read_amount(name, text, quantity.unit).value
             stated = replace(stated, **{name: value})  # type: ignore[arg-type]
+    if arguments.shape is not None:
+        stated = replace(stated, stated_shape=arguments.shape)
     for doubt in stated.doubts:
         print(f"vibralign: warning: {arguments.device}: {doubt}", file=sys.stderr)
     return stated
@@ -208,6 +216,7 @@ def _settings(
     return Settings(
         readings=Variants(**switches),
         scene=SCENES[arguments.scene],
+        shape=arguments.shape,
         start=arguments.start or (stated and stated.start) or of_study.start,
         insertion_depth=depth,
         horizon=horizon,
@@ -228,5 +237,6 @@ def parameter_table(baseline: Parameters) -> str:
     units = [(name, each.quantity.unit, each.description) for name, each in UNITS.items()]
     units += [(name, unit, words) for name, (words, unit) in BASE.items()]
     units += [(name, "1", f"damping ratio, in place of {each}") for name, each in RATIOS.items()]
+    units.append((CENTRE, LENGTH.unit, CENTRE_WORDS))
     lines += ["what a file for --device states besides:", *in_columns(units)]
     return "\n".join(lines) + "\n"

@@ -28,6 +28,7 @@ from model.physics.units import Units
 from model.runs.unvibrated import unvibrated_words
 from model.show import si
 from model.show.assumptions import assumptions, lines_of, source_words
+from model.show.lever import lever_record, lever_words, wall_words
 
 if TYPE_CHECKING:
     from model.device import StatedDevice
@@ -106,6 +107,7 @@ def _assess(arguments: argparse.Namespace) -> int:
             | {"verdict": verdict}
             | unvibrated_record(device, settings)
             | si.natural_record(device, given.units)
+            | lever_record(device, settings, given.units)
             | {"yield": drawn and stated and _yield_record(drawn, nearest, stated, settings)}
             | {"assumptions": assumed}
         )
@@ -219,6 +221,14 @@ def _verdict(
     lines.append(_line("at most", f"contact force {force}, tilt {tilt}, over all starts"))
     at_places = {n: si.in_words(each, FORCE, units) for n, each in result.forces.items()}
     lines.append(_line("  of the force", f"{_listed(at_places)}, {until(settings)}"))
+    lines += lever_words(device, settings, units)
+    lines += wall_words(device, settings, result.tilt_max, units)
+    if result.if_square is not None:
+        words = f"{verb} from {result.if_square.aligned} of {result.if_square.starts} starts"
+        if result.if_square.aligned:
+            ends = result.if_square.tau_best, result.if_square.tau_worst
+            words += f", aligned in {si.range_words(*ends, TIME, units)}"
+        lines.append(_line("if it is square", words))
     if result.bases:
         head = f"contact stiffness, impact, starts from which it {verb}, alignment time:"
         lines += [head, *in_columns([_base_row(base, units) for base in result.bases])]

@@ -50,10 +50,11 @@ def _explore(arguments: argparse.Namespace) -> int:
     from model.show.explorer.content import device_model, study_model  # noqa: PLC0415
     from model.show.explorer.page import build_page  # noqa: PLC0415
 
-    if sys.stderr.isatty() and not are_cached():
-        print("compiling the engines for the page, this once: a minute …", file=sys.stderr)
-    engines = modules()
-    if arguments.device is None and not arguments.changes:
+    shape = settings.shape or "square"
+    if sys.stderr.isatty() and not are_cached(shape):
+        print("compiling the engines for the page, this once: some seconds …", file=sys.stderr)
+    engines = modules(shape)
+    if arguments.device is None and not arguments.changes and shape == "square":
         model = study_model(given.study, engines.interface)
     else:
         file = str(arguments.device or "")
@@ -72,7 +73,7 @@ def _explore(arguments: argparse.Namespace) -> int:
 def _origin(arguments: argparse.Namespace, stated: StatedDevice | None) -> dict[str, Any]:
     """Return the options that made the page, and what its file holds (content.py)."""
     options = []
-    for name in ("device", "start", "horizon", "tolerance"):
+    for name in ("device", "shape", "start", "horizon", "tolerance"):
         if (given := getattr(arguments, name)) is not None:
             options += [f"--{name}", shlex.quote(str(given))]
     changes, held = pairs(arguments.changes, "--set"), {}

@@ -9,9 +9,10 @@ import contextlib
 import errno
 import io
 import os
+import re
 import sys
 from collections.abc import Callable, Sequence
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from model.cli import (
     assess,
@@ -34,6 +35,10 @@ DONE, FAILED, REFUSED, INTERRUPTED = 0, 1, 2, 130
 
 class _Parser(argparse.ArgumentParser):
     appendix: Callable[[], str] | None = None  # makes the end of the help, when it is asked for
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**options)
+        self._negative_number_matcher = re.compile(r"-(\.?\d|inf)")  # -5deg is no option
 
     def error(self, message: str) -> NoReturn:
         """Refuse in one line, without the usage."""

@@ -19,7 +19,8 @@ from model.cli.arguments import (
 )
 from model.cli.files import check_file, check_picture, writing
 from model.cli.progress import ProgressLine
-from model.device.amounts import read_amount
+from model.device.amounts import read_amount, read_range
+from model.device.spelling import ends_of, plain
 from model.device.stated import QUANTITIES, StatedDevice, unit_of
 from model.events.outcomes import SUCCESS_TEXT
 from model.physics.parameters import PARAMETER_NAMES, check_name
@@ -53,9 +54,9 @@ def add(commands: Any) -> None:
     )
     add = parser.add_argument
     for side in ("x", "y"):
-        words = f"parameter along {side}, with its least and largest value; with --device any "
-        words += "quantity of its file, and values such as 10um"
-        add(f"--{side}", nargs=3, required=True, metavar=("NAME", "FROM", "TO"), help=words)
+        words = f"parameter along {side}, with its least and largest value (0 1, or 0..1); with "
+        words += "--device any quantity of its file, and values such as 10um"
+        add(f"--{side}", nargs="+", required=True, metavar=("NAME", "RANGE"), help=words)
     words = f"values along each side (default: {_DEFAULT})"
     add("--resolution", default=str(_DEFAULT), metavar="N", help=words)
     words = "netCDF file to write; an old one is replaced when the new one is complete"
@@ -100,7 +101,10 @@ def _sweep(arguments: argparse.Namespace) -> tuple["Sweep", dict[str, str]]:
     """Return the sweep of the map, and what it assumes."""
     given, count = read_inputs(arguments), _count(arguments.resolution)
     starts = given.study.maps.ensemble
-    x, y = (_axis(f"--{s}", getattr(arguments, s), count, given.stated) for s in ("x", "y"))
+    axes, at = {"--x": arguments.x, "--y": arguments.y}, None
+    if given.stated is not None and "frequency" not in {name for name, *_ in axes.values()}:
+        at = given.stated.quantities["frequency"]
+    x, y = (_axis(option, words, count, given.stated, at) for option, words in axes.items())
     from model.device.maps import map_of  # noqa: PLC0415
 
     device = given.stated or given.parameters
@@ -124,21 +128,34 @@ def _count(text: str) -> int:
     return int(value)
 
 
-def _axis(option: str, given: Sequence[str], count: int, stated: StatedDevice | None) -> Axis:
-    """Return ``count`` values of a range; that of a ``stated`` device in SI or its own units."""
+def _axis(
+    option: str,
+    given: Sequence[str],
+    count: int,
+    stated: StatedDevice | None,
+    frequency: float | None,
+) -> Axis:
+    """Return ``count`` values of a range; that of a ``stated`` device in SI or its own units.
+
+    ``frequency`` in Hz is that of the whole map, None if it has several.
+    """
     from model.device.maps import QuantityAxis  # noqa: PLC0415  (as in _map)
 
-    name, *ends = given
+    name, *words = given
     check_name(name, PARAMETER_NAMES if stated is None else QUANTITIES, "parameter")
+    what, text = f"{option} {name}", " ".join(words)
+    ends = ends_of(plain(text)) or words
+    if len(ends) != 2:
+        raise ValueError(f"{what} {text}: must be two values, such as 0 1 or 0..1")
     if stated is None:
-        start, stop = (number(f"{option} {name}", end) for end in ends)
+        start, stop = (number(what, end) for end in ends)
+    elif ends != words:
+        start, stop = read_range(what, text, unit_of(name), frequency)
     else:
         unit = unit_of(name)
-        start, stop = (read_amount(f"{option} {name}", end, unit).value for end in ends)
+        start, stop = (read_amount(what, end, unit, frequency).value for end in ends)
     if not (math.isfinite(start) and math.isfinite(stop) and start < stop):
-        raise ValueError(
-            f"{option} {name} {ends[0]} {ends[1]}: must be two finite numbers, the smaller first"
-        )
+        raise ValueError(f"{what} {text}: must be two finite numbers, the smaller first")
     kind = Axis if stated is None else QuantityAxis
     return kind(parameter=name, start=start, stop=stop, count=count)
 

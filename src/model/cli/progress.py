@@ -1,21 +1,22 @@
-"""Progress of a long command, on one line of a terminal."""
+"""Progress of a long command: one line of a terminal, or in a log a line every ten seconds."""
 
 import logging
 import shutil
 import sys
+import time
 
 from model.runs.engines import PROGRESS
 
+_PAUSE = 10.0  # s, between two lines of a log
+
 
 class ProgressLine(logging.Handler):
-    """A context that shows the step under way and the number of runs done, on one line.
-
-    It shows nothing where standard error is no terminal.
-    """
+    """A context that shows the step under way and the number of runs done, on standard error."""
 
     def __init__(self) -> None:
         super().__init__()
-        self._shown, self._step = sys.stderr.isatty(), ""
+        self._terminal, self._step = sys.stderr.isatty(), ""
+        self._began = self._told = time.monotonic()
 
     def begin(self, step: str) -> None:
         """Show a step, in words."""
@@ -27,18 +28,21 @@ class ProgressLine(logging.Handler):
         self._show(f"{self._step}: {record.getMessage()}")
 
     def _show(self, text: str) -> None:
-        if self._shown:
+        if self._terminal:
             text = text[: shutil.get_terminal_size().columns - 1]
             print(f"\r{text}", end="\033[K", file=sys.stderr, flush=True)
+        elif (now := time.monotonic()) >= self._told + _PAUSE:
+            self._told = now
+            print(f"{text}, after {now - self._began:.0f} s", file=sys.stderr, flush=True)
 
     def __enter__(self) -> "ProgressLine":
-        if self._shown:
-            PROGRESS.addHandler(self)
-            PROGRESS.setLevel(logging.INFO)
+        PROGRESS.addHandler(self)
+        PROGRESS.setLevel(logging.INFO)
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Clear the line."""
+        """Clear the line of a terminal."""
         PROGRESS.removeHandler(self)
         PROGRESS.setLevel(logging.NOTSET)
-        self._show("")
+        if self._terminal:
+            self._show("")

@@ -29,6 +29,7 @@ from model.runs.settings import Settings
 from model.runs.simulate import Trajectory, simulate
 from model.runs.unvibrated import unvibrated_results, unvibrated_words
 from model.show.assumptions import assumptions, lines_of
+from model.show.lever import lever_record, lever_words, wall_words
 from model.show.si import in_words, natural_record, natural_words
 from model.sweeps.files import write_text
 from model.sweeps.version import version
@@ -65,10 +66,15 @@ def _simulate(arguments: argparse.Namespace) -> int:
     run = simulate(parameters, settings)
     assumed = assumptions(parameters, settings, given.stated)
     if arguments.json:
-        in_si = {"si": _in_si(run, units) | natural_record(parameters, units)} if units else {}
-        print_json(_record(run, settings) | {"assumptions": assumed} | in_si)
+        record = _record(run, settings) | {"assumptions": assumed}
+        if units:
+            lever = lever_record(parameters, settings, units)
+            record["si"] = _in_si(run, units) | natural_record(parameters, units) | lever
+        print_json(record)
     else:
         lines = _report(run, units)
+        lines += lever_words(parameters, settings, units)
+        lines += wall_words(parameters, settings, run.tilt_max, units)
         lines.append(natural_words(parameters, units))
         lines += [unvibrated_words(parameters, settings, ENGINE), *lines_of(assumed)]
         if units and arguments.dimensionless:
@@ -99,7 +105,8 @@ def _page(given: Inputs, units: Units | None, file: str, assumed: Mapping[str, s
     from model.show.explorer.page import run_page  # noqa: PLC0415
 
     parameters, settings = given.parameters, given.settings
-    first, table = tuple(given.study.operating_point), interface(settings.scene)
+    table = interface(settings.scene, settings.shape or "square")
+    first = tuple(given.study.operating_point)
     model = device_model(parameters, units, file, settings, table, first, assumed=assumed)
     return run_page(model, trace_run(parameters, settings))
 
@@ -189,6 +196,7 @@ def _record(run: Trajectory, settings: Settings) -> dict[str, Any]:
         "remedy": run.remedy,
         **unvibrated_record(run.parameters, settings),
         **natural_record(run.parameters, None),
+        **lever_record(run.parameters, settings, None),
         "final_time": float(run.time[-1]),
         "final_state": _final_state(run),
         "parameters": asdict(run.parameters),

@@ -3,23 +3,29 @@
 A bare number is in SI units. ``±`` (or ``+-``) states the half-width of a uniform distribution,
 ``σ`` (or ``sigma``) the standard deviation of a normal one. A tolerance in per cent is a share of
 the value. pint reads the units, ``spelling`` what pint does not know; frequencies may also be in
-revolutions or radians per time.
+revolutions or radians per time. An amplitude is the peak of the vibration; it may be stated from
+peak to peak, as rms, or as the velocity or acceleration (5 g) that it has at the frequency.
 """
 
 import math
 import re
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import cache
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
-from model.device.spelling import NUMBER, clearer, ends_of, plain, spelled
+import numpy as np
+from numpy.typing import NDArray
+
+from model.device.spelling import NUMBER, clearer, ends_of, peak, plain, spelled
 from model.physics.parameters import FIELDS
 
 _AMOUNT = re.compile(rf"\s*({NUMBER})\s*(.*?)\s*")
 _SPREAD = re.compile(r"\s*(±|\+/-|\+-|σ|sigma\b)\s*")
 _BRACKETS = re.compile(rf"\((.+)({_SPREAD.pattern}.+)\)(.*)")  # (12 ± 3) N
 _QUOTIENT = re.compile(rf"(.*?)/\s*({NUMBER})\s*(.*?)\s*")  # 0.05 mm / 6 mm
-_UNIT = re.compile(r"(?:1\s*/\s*)?[^\W\d_][^,]*|°.*|%")  # pint reads ", 1 N" as a unit, too
+_UNIT = re.compile(r"(?:1?\s*/\s*)?[^\W\d_][^,]*|°.*|%")  # pint reads ", 1 N" as a unit, too
+_Read = TypeVar("_Read")
 SIGMAS = 3.0  # standard deviations that count as the end of a normal tolerance
 
 
@@ -54,12 +60,24 @@ class Amount:
     tolerance: Tolerance | None = None
 
 
-def read_amount(name: str, given: object, unit: str) -> Amount:
+def read_amount(name: str, given: object, unit: str, frequency: float | None = None) -> Amount:
     """Read the amount of the quantity ``name``, whose SI unit is ``unit``.
+
+    An amplitude that is stated as a velocity or acceleration needs the ``frequency`` in Hz.
 
     Raises:
         ValueError: no number, an unknown unit, a unit of another quantity, or a tolerance < 0.
     """
+    if name.endswith("amplitude") and isinstance(given, str):
+        amount, factor = _to_peak(_read_amount, name, given, frequency)
+        tolerance = amount.tolerance
+        if tolerance is not None and not tolerance.relative:
+            tolerance = replace(tolerance, width=tolerance.width * factor)
+        return Amount(amount.value * factor, tolerance)
+    return _read_amount(name, given, unit)
+
+
+def _read_amount(name: str, given: object, unit: str) -> Amount:
     if given is None:
         raise ValueError(f"{name} is not filled in: {_rule(unit)}")
     if isinstance(given, (int, float)) and not isinstance(given, bool):
@@ -101,12 +119,50 @@ def _with_tolerance(
     return value, Tolerance(kind, share, relative=True)
 
 
-def read_range(name: str, given: object, unit: str) -> tuple[float, float]:
+def read_range(
+    name: str, given: object, unit: str, frequency: float | None = None
+) -> tuple[float, float]:
     """Read a range such as ``2 to 30 N`` or ``2–30 N``; the unit may stand at the second end only.
+
+    ``frequency`` is that of ``read_amount``.
 
     Raises:
         ValueError: not two amounts, or the second not above the first.
     """
+    if name.endswith("amplitude") and isinstance(given, str):
+        (low, high), factor = _to_peak(_read_range, name, given, frequency)
+        return low * factor, high * factor
+    return _read_range(name, given, unit)
+
+
+def _to_peak(
+    read: Callable[[str, str, str], _Read], name: str, given: str, frequency: float | None
+) -> tuple[_Read, float]:
+    """Read an amplitude, velocity or acceleration; return it and its factor to the peak in m."""
+    if instead := clearer(plain(given)):
+        raise ValueError(f"{name} = {given!r}: write {instead}")
+    try:
+        text, factor = peak(plain(given))
+    except ValueError as two:
+        raise ValueError(f"{name} = {given!r}: {two}") from None
+    refusals = []
+    for power, unit in enumerate(("m", "m/s", "m/s^2")):
+        try:
+            found = read(name, text, unit)
+        except ValueError as refusal:
+            refusals.append(refusal)
+            continue
+        if power and not frequency:
+            raise ValueError(
+                f"{name} = {given!r}: is {'an acceleration' if power > 1 else 'a velocity'}, which "
+                "gives an amplitude at one frequency only, and frequency is no single value > 0 "
+                "here: write the amplitude in mm"
+            )
+        return found, factor / (math.tau * (frequency or 1.0)) ** power
+    raise refusals[0]
+
+
+def _read_range(name: str, given: object, unit: str) -> tuple[float, float]:
     ends = ends_of(plain(given)) if isinstance(given, str) else []
     if not ends:
         raise ValueError(f"{name} = {given!r}: must be a range such as 2 to 30 {unit}")
@@ -116,6 +172,32 @@ def read_range(name: str, given: object, unit: str) -> tuple[float, float]:
     if not low < high:
         raise ValueError(f"{name} = {given!r}: must rise from the first value to the second")
     return low, high
+
+
+def read_values(name: str, given: Any, unit: str, points: int) -> NDArray[np.float64]:
+    """Read values in one of three forms: a range in a text, a list, or one value.
+
+    Returns:
+        ``points`` equidistant values of the range, or those of the list, shape (n,); the one value,
+        shape ().
+
+    Raises:
+        ValueError: as ``read_amount`` and ``read_range``, a value with a tolerance, or a list that
+            is empty or has a value twice.
+    """
+    if isinstance(given, str) and ends_of(plain(given)):
+        steps = np.linspace(*read_range(name, given, unit), points)
+        return np.array([float(f"{each:.12g}") for each in steps])  # decimal steps are decimals
+    if hasattr(given, "magnitude"):  # of a library of units, which an array would drop
+        raise ValueError(f"{name} = {given}: give numbers in {unit}, or texts such as '1 {unit}'")
+    listed = given if isinstance(given, str) else np.asarray(given, dtype=object).tolist()
+    each = [read_amount(name, v, unit) for v in (listed if isinstance(listed, list) else [listed])]
+    if any(one.tolerance for one in each):
+        raise ValueError(f"{name} = {given!r}: no tolerance here, {_rule(unit)}")
+    values = [one.value for one in each]
+    if not values or len({*values}) < len(values):
+        raise ValueError(f"{name} = {given!r}: must be distinct values, at least one")
+    return np.array(values if isinstance(listed, list) else values[0])
 
 
 def _rule(unit: str) -> str:
@@ -155,6 +237,9 @@ def _number(name: str, given: Any, text: str, unit: str) -> float:
             f"{name} = {given!r}: write the ratio, {ratio:.4g} or {100.0 * ratio:.4g} %"
             f"{_meaning(name)}"
         )
+    gram, grain = (re.sub(r"(?i)\b(k?)gr\b", rf"\1{each}", text.strip()) for each in ("g", "grain"))
+    if gram != text.strip():
+        raise ValueError(f"{name} = {given!r}: gr is gram or grain: write {gram} or {grain}")
     if own and not _UNIT.fullmatch(own):
         raise ValueError(f"{name} = {given!r}: unknown unit {own!r}; {_rule(unit)}")
     return value if own in ("", unit) else value * _factor(name, given, own, unit)

@@ -9,6 +9,7 @@ import itertools
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,19 +20,22 @@ from model.device.cases import OF_BASE, cases_of, on_bases, parameters_in, state
 from model.device.causes import cause_of, first_change
 from model.device.leeways import Leeway, Nearest, leeways, nearest, together
 from model.device.reliability import FORCES, are_late, are_reliable, from_every_start
+from model.device.runs import AnyDevice, device_of
+from model.events.insertion import INSERTION
 from model.physics.parameters import Batch, Parameters
+from model.physics.tables import Value
 from model.runs.settings import Settings
 from model.runs.simulate import Trajectory, simulate_once
 from model.sweeps.settings import Ensemble
-from model.sweeps.starts import Starts
+from model.sweeps.starts import Starts, every_start, starts_of
 
 _HOPPING = 8  # number of cases whose touch-downs are examined
 _SAME_TIME = 0.02  # relative difference below which two times count as equal
 _PAIRED = "press_force", "tilt_stiffness", "friction", "amplitude"  # changed two together
 
 
-@dataclass(frozen=True)
-class BaseVerdict:
+@dataclass(frozen=True, eq=False, repr=False)
+class BaseVerdict(Value):
     """Results of a device on one base; dimensionless.
 
     Attributes:
@@ -67,8 +71,17 @@ class BaseVerdict:
         )
 
 
-@dataclass(frozen=True)
-class Assessment:
+class Successes(NamedTuple):
+    """Numbers of starts and of successes, and the times of these, dimensionless; NaN if none."""
+
+    starts: int
+    aligned: int
+    tau_best: float
+    tau_worst: float
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Assessment(Value):
     """Results of a device in every case, dimensionless, and its leeways.
 
     Attributes:
@@ -89,6 +102,7 @@ class Assessment:
         cause: why the failing case fails, in words; empty if none fails.
         change: the first change that makes it reliable, tried: values of one parameter or two, in
             SI units for a device of a file; empty if none was found.
+        if_square: successes of a square part in its place; None if the shape is stated.
     """
 
     starts: int
@@ -107,6 +121,12 @@ class Assessment:
     inserted: tuple[float, float] = (math.nan, math.nan)
     cause: str = ""
     change: Mapping[str, float] = field(default_factory=dict)
+    if_square: Successes | None = None
+
+    def __repr__(self) -> str:
+        words = "reliable" if self.reliable else "not reliable"
+        words = "depends on the base" if self.depends_on_base else words
+        return f"<Assessment: {words}, goes in from {self.aligned} of {self.starts} starts>"
 
     @property
     def reliable(self) -> bool:
@@ -157,9 +177,9 @@ class Assessment:
 
 
 def assess(
-    device: Parameters | StatedDevice,
-    settings: Settings,
-    ensemble: Ensemble,
+    device: AnyDevice,
+    settings: Settings | None = None,
+    ensemble: Ensemble | None = None,
     cores: int = 1,
     *,
     bases: bool = False,
@@ -168,13 +188,15 @@ def assess(
     """Assess a device by some thousand runs.
 
     Args:
-        device: as its file states it, or dimensionless parameters.
-        settings: settings of the runs.
-        ensemble: the starts.
+        device: as ``simulate`` takes it.
+        settings: settings of the runs; None for the defaults, in the insertion scene.
+        ensemble: the starts; None for those of the study.
         cores: number of threads.
         bases: try bases of a device that states one as well; only ``bases`` are then of these.
         vary: seek the leeways, or the nearest reliable values if a case fails.
     """
+    device, settings = device_of(device), settings or Settings(scene=INSERTION)
+    ensemble = ensemble or Ensemble()
     cases, tried = cases_of(device, ensemble), cases_of(device, ensemble, bases=bases)
     of = device.quantities if isinstance(device, StatedDevice) else device.given()
     own = {"friction": np.array([of["friction"]])}
@@ -195,7 +217,6 @@ def assess(
 
     inserted = (tau + results["tau_inserted"])[goes_in]
     result = Assessment(
-        len(cases),
         *_successes(goes_in, tau),
         failing_start=None,
         contact_force_max=float(np.fmax.reduce(results["contact_force_max"])),
@@ -205,6 +226,7 @@ def assess(
         bases=_on_each_base(device, tried, on_all["goes_in"], on_all["tau_align"]),
         forces={place: float(np.fmax.reduce(results[name])) for place, name in FORCES.items()},
         inserted=_ends(inserted),
+        if_square=_if_square(device, ensemble, settings, cores),
     )
     held = _held(device, cases)
     if goes_in.all():
@@ -217,6 +239,19 @@ def assess(
     near = nearest(device, is_reliable, held)
     change = first_change(cause, near) or together(device, is_reliable, _PAIRED)
     return replace(result, nearest=near, change=change)
+
+
+def _if_square(
+    device: Parameters | StatedDevice, ensemble: Ensemble, settings: Settings, cores: int
+) -> Successes | None:
+    """Return the successes of a square part in place of one whose shape is not stated."""
+    if not isinstance(device, StatedDevice) or device.stated_shape is not None:
+        return None
+    square = replace(device, stated_shape="square").parameters
+    settings = replace(settings, shape="square")
+    starts = starts_of(square, ensemble)
+    results = every_start(Batch.stack([square]), starts, settings, cores)
+    return _successes(results["goes_in"][0], results["tau_align"][0])
 
 
 def _held(device: Parameters | StatedDevice, cases: Starts) -> tuple[str, ...]:
@@ -237,7 +272,7 @@ def _on_each_base(
     if isinstance(device, Parameters) or OF_BASE[0] not in cases[0]:
         return ()
     one = Batch.stack([device.parameters])
-    stiffness = on_bases(one, [device.units], cases)["contact_stiffness"][0]
+    stiffness = on_bases(one, [device.units], cases, device.shape)["contact_stiffness"][0]
     keys = [tuple(str(case[name]) for name in OF_BASE) for case in cases]
     verdicts = []
     for key in dict.fromkeys(keys):
@@ -248,16 +283,14 @@ def _on_each_base(
             BaseVerdict(
                 float(stiffness[first]),
                 None if math.isnan(impact) else impact,
-                int(rows.sum()),
                 *_successes(goes_in[rows], tau[rows]),
             )
         )
     return tuple(verdicts)
 
 
-def _successes(aligned: NDArray[np.bool_], tau: NDArray[np.float64]) -> tuple[int, float, float]:
-    """Return the number of successes, and their shortest and longest time, NaN without any."""
-    return int(aligned.sum()), *_ends(tau[aligned])
+def _successes(goes_in: NDArray[np.bool_], tau: NDArray[np.float64]) -> Successes:
+    return Successes(goes_in.size, int(goes_in.sum()), *_ends(tau[goes_in]))
 
 
 def _ends(values: NDArray[np.float64]) -> tuple[float, float]:

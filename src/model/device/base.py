@@ -17,12 +17,14 @@ effective mass m = M/(1 + M s²/I) of the part at the edge on which it starts.
 """
 
 import math
+import re
 from collections.abc import Mapping
 from functools import lru_cache
 from typing import NamedTuple
 
 from model.device.holder import RATIOS
 from model.device.spelling import in_per_cent
+from model.physics.parameters import Shape
 
 
 class Material(NamedTuple):
@@ -33,17 +35,43 @@ class Material(NamedTuple):
 
 
 # Round handbook values, such as M. F. Ashby, Materials Selection in Mechanical Design, App. A.
+# Polyamides take up water: 2 GPa is halfway, PA-GF30 between 9.5 GPa dry and 6 GPa.
 MATERIALS: Mapping[str, Material] = {
     "steel": Material(210e9, 0.30),
     "cast iron": Material(110e9, 0.26),
     "titanium": Material(114e9, 0.34),
     "brass": Material(100e9, 0.35),
     "aluminium": Material(70e9, 0.33),
+    "copper": Material(120e9, 0.34),
+    "bronze": Material(110e9, 0.34),
+    "zinc": Material(85e9, 0.25),
+    "magnesium": Material(45e9, 0.29),
+    "alumina": Material(370e9, 0.22),
     "glass": Material(70e9, 0.22),
     "POM": Material(2.8e9, 0.35),
     "PEEK": Material(3.6e9, 0.38),
     "PA66": Material(2.0e9, 0.40),
     "ABS": Material(2.2e9, 0.37),
+    "PP": Material(1.4e9, 0.42),
+    "PE": Material(1.0e9, 0.44),  # of high density
+    "PBT": Material(2.5e9, 0.39),
+    "PET": Material(2.9e9, 0.40),
+    "PC": Material(2.3e9, 0.38),
+    "PMMA": Material(3.1e9, 0.38),
+    "PPS": Material(3.8e9, 0.38),
+    "PVC": Material(3.0e9, 0.38),
+    "PTFE": Material(0.5e9, 0.46),
+    "PA-GF30": Material(7.5e9, 0.37),
+    "PBT-GF30": Material(9.5e9, 0.37),
+}
+_NAMES = {  # of data sheets, without spaces and hyphens
+    **dict.fromkeys(("pa", "pa6", "pa12", "nylon"), "PA66"),
+    **dict.fromkeys(("pomc", "pomh", "acetal", "delrin"), "POM"),
+    **dict.fromkeys(("hdpe", "pehd"), "PE"),
+    **dict.fromkeys(("pa6gf30", "pa66gf30"), "PA-GF30"),
+    **dict.fromkeys(("aluminum", "alu"), "aluminium"),
+    **dict.fromkeys(("stainlesssteel", "inox"), "steel"),
+    "zamak": "zinc",
 }
 
 # Quantities of a base that a device file may state in place of parameters: meaning and SI unit.
@@ -54,10 +82,17 @@ BASE: Mapping[str, tuple[str, str]] = {
     "restitution": ("coefficient of restitution, for the contact damping", "1"),
 }
 
+# Contact stiffness over axial stiffness where it is not stated. From 1,600 on the lever of a round
+# part does not hang on the yielding of the rims (docs/decisions/0042-round-parts.md).
+USUAL_STIFFNESS: Mapping[Shape, float] = {"square": 100.0, "round": 1600.0}
+CENTRE = "centre_height"  # in place of half_height
+CENTRE_WORDS = "height of the mass centre over the bottom face, in place of half_height"
+
 # Parameters, and the quantities of a device file from which they are computed if stated.
 SOURCES: Mapping[str, tuple[str, ...]] = {
     "contact_stiffness": ("materials", "edge_radius", "plate_thickness", "plate_radius"),
     "contact_damping": ("restitution",),
+    "half_height": (CENTRE,),
     **{damping: (ratio,) for ratio, damping in RATIOS.items()},
 }
 
@@ -68,15 +103,20 @@ def pair_of(text: object) -> tuple[Material, Material]:
     Raises:
         ValueError: another form, or an unknown material.
     """
-    known = {name.casefold(): material for name, material in MATERIALS.items()}
-    names = str(text).casefold().replace("aluminum", "aluminium").split(" on ")
-    pair = [known[name.strip()] for name in names if name.strip() in known]
+    known = {_plain(name): material for name, material in MATERIALS.items()}
+    known |= {name: MATERIALS[own] for name, own in _NAMES.items()}
+    names = [_plain(name) for name in str(text).casefold().split(" on ")]
+    pair = [known[name] for name in names if name in known]
     if len(names) != 2 or len(pair) != 2:
         raise ValueError(
             f"materials = {text!r}: must be the part's on the base's, such as steel on aluminium, "
             f"of {', '.join(MATERIALS)}; for others state contact_stiffness"
         )
     return pair[0], pair[1]
+
+
+def _plain(name: str) -> str:
+    return re.sub(r"[\s.-]+", "", name.casefold())
 
 
 def hertz_stiffness(pair: tuple[Material, Material], radius: float, force: float) -> float:
@@ -115,18 +155,24 @@ def damping_ratio_of(restitution: float) -> float:
     return 0.5 * (low + high)
 
 
-def mass_at_edge(quantities: Mapping[str, float]) -> float:
-    """Return the effective mass in kg of the part at the edge on which it starts."""
-    width = quantities["half_width"] * (1.0 + quantities["clearance"])
-    arm = width - quantities["misalignment"]
+def mass_at_edge(quantities: Mapping[str, float], shape: Shape) -> float:
+    """Return the effective mass in kg of the part at the edge, or tips, on which it starts flat."""
+    hole = quantities["half_width"] * (1.0 + quantities["clearance"])
+    beside = quantities["misalignment"]
+    arm = hole - beside
+    if shape == "round":
+        arm = (hole**2 - quantities["half_width"] ** 2 - beside**2) / (2.0 * beside)  # (T7)
     mass = quantities["mass"]
     return mass / (1.0 + mass * arm * arm / quantities["inertia"])
 
 
 def with_base(
-    quantities: Mapping[str, float], pair: tuple[Material, Material] | None
+    quantities: Mapping[str, float], pair: tuple[Material, Material] | None, shape: Shape
 ) -> dict[str, float]:
     """Return quantities in SI units, with contact stiffness and damping in place of the base's.
+
+    A round part whose base is not stated gets that of ``USUAL_STIFFNESS``, with the damping ratio
+    that the default of ``Parameters`` gives to a square one.
 
     Raises:
         ValueError: a quantity of the base outside its rule, one that another needs and that is
@@ -141,10 +187,17 @@ def with_base(
             plate = plate_stiffness(pair[1], given["plate_thickness"], given["plate_radius"])
             stiffness = 1.0 / (1.0 / stiffness + 1.0 / plate)
         result["contact_stiffness"] = stiffness
+    if "contact_stiffness" not in result and shape == "round":
+        stiffer = USUAL_STIFFNESS["round"]
+        unit = math.sqrt(result["axial_stiffness"] * result["mass"])
+        damping = math.sqrt(stiffer / USUAL_STIFFNESS["square"]) * unit
+        result["contact_stiffness"] = stiffer * result["axial_stiffness"]
+        result.setdefault("contact_damping", damping)
     if "restitution" in given:
-        stiffness = result.get("contact_stiffness", 100.0 * result["axial_stiffness"])
-        ratio = damping_ratio_of(given["restitution"])
-        result["contact_damping"] = 2.0 * ratio * math.sqrt(stiffness * mass_at_edge(result))
+        usual = USUAL_STIFFNESS["square"] * result["axial_stiffness"]
+        stiffness = result.get("contact_stiffness", usual)
+        ratio, mass = damping_ratio_of(given["restitution"]), mass_at_edge(result, shape)
+        result["contact_damping"] = 2.0 * ratio * math.sqrt(stiffness * mass)
     return result
 
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from model.device.base import MATERIALS, damping_ratio_of, hertz_stiffness
 from model.device.stated import StatedDevice
-from model.physics.parameters import Batch, Parameters
+from model.physics.parameters import Batch, Parameters, Shape
 from model.physics.units import Units
 from model.sweeps.settings import Ensemble
 from model.sweeps.starts import Starts, starts_of
@@ -56,7 +56,7 @@ def cases_of(
 
 
 def on_bases(
-    devices: Batch, units: Sequence[Units], cases: Starts
+    devices: Batch, units: Sequence[Units], cases: Starts, shape: Shape
 ) -> dict[str, NDArray[np.float64]]:
     """Return contact stiffness and damping of devices in all cases, shape (devices, cases).
 
@@ -74,7 +74,10 @@ def on_bases(
     found = softest * (stiffest / softest) ** level
     stiffness = np.where(np.isnan(level), given["contact_stiffness"], found)
     ratio = np.array([math.nan if math.isnan(e) else damping_ratio_of(e) for e in restitution])
-    arm = given["half_width"] * (1.0 + given["clearance"]) - given["misalignment"]
+    hole, beside = given["half_width"] * (1.0 + given["clearance"]), given["misalignment"]
+    arm = hole - beside  # as ``mass_at_edge``
+    if shape == "round":
+        arm = (hole**2 - given["half_width"] ** 2 - beside**2) / (2.0 * beside)
     mass = 1.0 / (1.0 + arm * arm / given["inertia"])
     damping = 2.0 * ratio * np.sqrt(stiffness * mass)
     damping = np.where(np.isnan(ratio), given["contact_damping"], damping)
@@ -87,7 +90,7 @@ def stated_case(device: Parameters | StatedDevice, case: Mapping[str, float]) ->
         return dict(case)
     stated = {name: value for name, value in case.items() if name not in OF_BASE}
     if not math.isnan(case["level"]):
-        column = on_bases(Batch.stack([device.parameters]), [device.units], [case])
+        column = on_bases(Batch.stack([device.parameters]), [device.units], [case], device.shape)
         own = float(column["contact_stiffness"][0, 0]) * device.units.axial_stiffness
         stated["contact_stiffness"] = own
         if not math.isnan(case["restitution"]):

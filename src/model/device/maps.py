@@ -1,20 +1,20 @@
 """Maps of a device over any two quantities of its file, in SI units."""
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import AfterValidator
 
-from model.device.base import BASE
+from model.device.base import BASE, CENTRE, CENTRE_WORDS
 from model.device.batches import by_settings, devices_of, rows_of
 from model.device.holder import RATIOS
 from model.device.stated import QUANTITIES, StatedDevice
 from model.engines.results import RESULTS, UNVIBRATED_CONTROL
 from model.physics.parameters import FIELDS, Batch, Parameters, check_name
-from model.physics.quantities import ANGLE, PLAIN
+from model.physics.quantities import ANGLE, LENGTH, PLAIN
 from model.physics.units import UNITS
 from model.sweeps.axes import Axis, check_plane
 from model.sweeps.settings import Ensemble, RunSettings
@@ -66,19 +66,15 @@ class DeviceMap(Sweep):
 
     def coordinates(self) -> dict[str, Any]:
         """Return the axes, and as scalars the quantities that no axis changes; in SI units."""
-        axes = self.dimensions[:2]
-        ends = [[axis.values[0], axis.values[-1]] for axis in axes]
-        corners = [
-            self.device.changed(**dict(zip(self.swept, each, strict=False))).values
-            for each in itertools.product(*ends)
-        ]
+        axes = {axis.parameter: axis.values for axis in self.dimensions[:2]}
+        corners = [self.device.changed(**each).values for each in corners_of(axes)]
         held = {
             name: value
             for name, value in self.device.values.items()
             if all(each.get(name) == value for each in corners)
         }
-        coordinates = {name: ((), value, _attributes(name)) for name, value in held.items()}
-        swept = {name: (name, values, _attributes(name)) for name, values in self.swept.items()}
+        coordinates = {name: ((), v, quantity_attributes(name)) for name, v in held.items()}
+        swept = {name: (name, v, quantity_attributes(name)) for name, v in self.swept.items()}
         return dict(sorted((coordinates | swept).items()))
 
     def attributes(self, name: str) -> dict[str, Any]:
@@ -89,9 +85,18 @@ class DeviceMap(Sweep):
         return attributes
 
 
-def _attributes(name: str) -> dict[str, Any]:
+def corners_of(axes: Mapping[str, Sequence[float]]) -> list[dict[str, float]]:
+    """Return the corners of a grid: the first or last value of each axis, by name."""
+    ends = [dict.fromkeys((values[0], values[-1])) for values in axes.values()]
+    return [dict(zip(axes, each, strict=True)) for each in itertools.product(*ends)]
+
+
+def quantity_attributes(name: str) -> dict[str, Any]:
+    """Return the attributes of the coordinate of a device's quantity, in SI units."""
     if name in RATIOS:
         return {"long_name": f"damping ratio, in place of {RATIOS[name]}", "units": "1"}
+    if name == CENTRE:
+        return {"long_name": CENTRE_WORDS, "units": LENGTH.unit}
     if name in BASE:
         return {"long_name": BASE[name][0], "units": BASE[name][1]}
     field = (FIELDS | UNITS)[name]  # type: ignore[operator]

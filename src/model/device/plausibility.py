@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from model.device.base import mass_at_edge
 from model.device.holder import DIRECTIONS, critical_damping, natural_frequencies
 from model.device.spelling import in_per_cent
-from model.physics.parameters import FIELDS
+from model.physics.parameters import FIELDS, Shape
 from model.physics.quantities import LENGTH
 from model.physics.units import Device
 
@@ -53,15 +53,17 @@ def check_place(quantities: Mapping[str, float]) -> None:
         )
 
 
-def doubts(quantities: Mapping[str, float], device: Device) -> list[str]:
+def doubts(quantities: Mapping[str, float], device: Device, shape: Shape) -> list[str]:
     """Return a line for each value that is possible but probably not meant.
 
     Args:
         quantities: all that is stated, and the parameters computed from it, in SI units.
         device: the same device in its own units.
+        shape: shape of part and hole.
     """
-    found = _lengths, _shape, _fit, _start, _excitation, _stiffnesses, _dampings, _base
-    return [line for each in found for line in each(quantities, device)]
+    found = _lengths, _sizes, _fit, _start, _excitation, _stiffnesses, _dampings
+    lines = [line for each in found for line in each(quantities, device)]
+    return [*lines, *_place(quantities, shape), *_base(quantities, shape)]
 
 
 def _outside(value: float, span: tuple[float, float]) -> bool:
@@ -82,7 +84,7 @@ def _lengths(given: Mapping[str, float], _device: Device) -> Iterator[str]:
             )
 
 
-def _shape(given: Mapping[str, float], _device: Device) -> Iterator[str]:
+def _sizes(given: Mapping[str, float], _device: Device) -> Iterator[str]:
     radius = math.sqrt(given["inertia"] / given["mass"])
     size = math.hypot(given["half_width"], given["half_height"]) / math.sqrt(3.0)
     if _outside((radius / size) ** 2, _INERTIA):
@@ -126,6 +128,17 @@ def _start(given: Mapping[str, float], _device: Device) -> Iterator[str]:
             )
 
 
+def _place(given: Mapping[str, float], shape: Shape) -> Iterator[str]:
+    width, delta = given["half_width"], given["clearance"]
+    at_start = given["half_height"] * math.tan(given.get("initial_tilt", 0.0))
+    farthest = math.hypot(width * math.sqrt(delta * (2.0 + delta)), at_start)  # (T8)
+    if shape == "round" and given["misalignment"] >= farthest:
+        yield (
+            f"{_mm(given, 'misalignment')}: the press tilts a round part of this clearance towards "
+            f"the hole from up to {1e3 * farthest:.3g} mm; farther out it stands flat"
+        )
+
+
 def _excitation(given: Mapping[str, float], device: Device) -> Iterator[str]:
     resonance = 1.0 / (math.tau * device.units.time)
     if given["frequency"] and _outside(given["frequency"] / resonance, _EXCITATION):
@@ -167,7 +180,7 @@ def _dampings(given: Mapping[str, float], _device: Device) -> Iterator[str]:
             yield words if instead in given else words + hint
 
 
-def _base(given: Mapping[str, float], _device: Device) -> Iterator[str]:
+def _base(given: Mapping[str, float], shape: Shape) -> Iterator[str]:
     stiffness = given.get("contact_stiffness")
     if stiffness is not None:
         if stiffness < _SOFTEST * given["axial_stiffness"]:
@@ -178,7 +191,7 @@ def _base(given: Mapping[str, float], _device: Device) -> Iterator[str]:
         if stiffness > _STIFFEST * given["half_width"]:
             yield f"contact_stiffness = {stiffness:.4g} N/m is more than steel of this size has"
         damping = given.get("contact_damping", 0.0)
-        ratio = damping / (2.0 * math.sqrt(stiffness * mass_at_edge(given)))
+        ratio = damping / (2.0 * math.sqrt(stiffness * mass_at_edge(given, shape)))
         if damping and "restitution" not in given and _outside(ratio, _DAMPING):
             yield f"contact_damping = {damping:.4g} N s/m is a damping ratio of {ratio:.2g}"
     if given.get("restitution", 1.0) < _DEADEST:

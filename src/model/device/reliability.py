@@ -6,7 +6,7 @@ dimensionless, or as its file states it; its values are then in SI units, and ch
 changes them.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -14,13 +14,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from model.device import StatedDevice
+from model.device.amounts import read_amount
 from model.device.batches import Values, by_settings, devices_of, rows_of
 from model.device.cases import cases_of, on_bases
-from model.device.stated import QUANTITIES
+from model.device.runs import AnyDevice, devices_in
+from model.device.stated import QUANTITIES, unit_of
 from model.events.insertion import INSERTION
 from model.events.outcomes import Outcome
 from model.events.table import PLACES_OF_CONTACT
 from model.physics.parameters import PARAMETER_NAMES, Parameters, check_name
+from model.physics.tables import Value
 from model.physics.units import Units
 from model.runs.settings import Settings
 from model.sweeps.settings import Ensemble
@@ -33,8 +36,8 @@ FORCES = {place: f"{place}_force_max" for place in PLACES_OF_CONTACT}
 _FEW = 12  # every twelfth case is tried first: most failing devices fail in many
 
 
-@dataclass(frozen=True)
-class DeviceResults:
+@dataclass(frozen=True, eq=False, repr=False)
+class DeviceResults(Value):
     """Results of n devices in every case, in SI units.
 
     Attributes:
@@ -71,6 +74,9 @@ class DeviceResults:
 
         return DeviceResults(*(of(getattr(self, each.name)) for each in fields(self)))
 
+    def __repr__(self) -> str:
+        return f"<DeviceResults: {self.goes_in.sum():,} of {self.goes_in.size:,} devices go in>"
+
 
 def from_every_start(
     device: Parameters | StatedDevice,
@@ -83,7 +89,7 @@ def from_every_start(
     devices, units = devices_of(device, values)
     if isinstance(device, Parameters):
         return every_start(devices, starts, settings, cores), units
-    bases, results = on_bases(devices, units, starts), dict[str, NDArray[Any]]()
+    bases, results = on_bases(devices, units, starts, device.shape), dict[str, NDArray[Any]]()
     for own, rows in by_settings(device, settings, units).items():
         others = {name: column[rows] for name, column in bases.items()}
         found = every_start(rows_of(devices, rows), starts, own, cores, others)
@@ -159,7 +165,7 @@ def are_late(
 
 
 def reliable_at(
-    device: Parameters | StatedDevice,
+    device: AnyDevice | Iterable[AnyDevice],
     settings: Settings | None = None,
     *,
     cores: int = 1,
@@ -168,22 +174,34 @@ def reliable_at(
     """Return where a device goes in in every case, shape (n,), as ``assess`` says.
 
     Args:
-        device: as ``load_device`` returns it, or dimensionless parameters.
+        device: as ``simulate`` takes it; or a list of n devices, of which nothing varies.
         settings: settings of the runs; None for the defaults, in the insertion scene.
         cores: number of threads.
         **quantities: what varies together, each of shape (n,), such as
-            ``press_force=[8.0, 10.0, 12.0]``; in SI units for a device of ``load_device``.
+            ``press_force=[8.0, 10.0, "12 N"]``; numbers in SI units for a device of a file.
 
     Raises:
+        TypeError: no device.
         ValueError: an unknown quantity, shapes that differ, or a value outside its rule.
     """
-    values = {n: np.atleast_1d(np.asarray(v, dtype=np.float64)) for n, v in quantities.items()}
-    if len({each.shape for each in values.values()}) > 1:
-        shapes = ", ".join(f"{name}: {each.size}" for name, each in values.items())
-        raise ValueError(f"quantities must have one common length, got {shapes}")
+    devices = devices_in(device)
+    if len(devices) != 1:
+        if quantities:
+            raise ValueError("nothing may vary over a list of devices: give one device")
+        each = [reliable_at(one, settings, cores=cores) for one in devices]
+        return np.concatenate([np.empty(0, np.bool_), *each])
+    (device,) = devices
     stated = isinstance(device, StatedDevice)
     for name in quantities:
         check_name(name, QUANTITIES if stated else PARAMETER_NAMES, "quantity of a device")
+    units = {name: unit_of(name) if stated else "1" for name in quantities}
+    values = {
+        name: np.array([read_amount(name, v, units[name]).value for v in np.ravel(given).tolist()])
+        for name, given in quantities.items()
+    }
+    if len({each.shape for each in values.values()}) > 1:
+        shapes = ", ".join(f"{name}: {each.size}" for name, each in values.items())
+        raise ValueError(f"quantities must have one common length, got {shapes}")
     parameters = device.parameters if isinstance(device, StatedDevice) else device
     values = values or {"friction": np.array([parameters.friction])}
     settings = settings or Settings(scene=INSERTION)

@@ -1,5 +1,6 @@
 """Spellings of engineers for numbers, units and ranges, turned into those that pint reads."""
 
+import math
 import re
 
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
@@ -13,6 +14,16 @@ _TOGETHER = re.compile(r"([kMmuµμ]?N|k?g)([mcuµμ]?m)?(m?s)?")
 # Names that have the same meaning in upper and lower case.
 _CASES = {name.casefold(): name for name in ("Hz", "kHz", "kg", "kN", "rpm", "rad", "deg")}
 _FORCES = {"lb": "lbf", "lbs": "lbf", "oz": "ozf"}  # where the quantity has newtons in its unit
+# Names of a turn and of turns a minute, where the quantity is a frequency.
+_TURNS = {**dict.fromkeys(("rev", "revs", "r", "u", "tr"), "turn"), "cpm": "turn / minute"}
+_GRAVITY = "g", "gn"  # where the quantity is an acceleration
+# Words beside the height of a vibration, and the factor from it to the peak.
+_END = r"(?:pk|peak|p)"
+_HEIGHTS = {
+    rf"{_END}[-–. ]*(?:to|t|2)?[-–. ]*{_END}\.?": 0.5,
+    rf"(?:0|zero)[- ]?(?:to)?[- ]?{_END}|pk|peak|(?<=[\s(])p": 1.0,
+    r"rms|r\.m\.s\.|eff": math.sqrt(2.0),
+}
 
 
 def plain(text: str) -> str:
@@ -34,6 +45,22 @@ def clearer(text: str) -> str | None:
     return None
 
 
+def peak(text: str) -> tuple[str, float]:
+    """Return the height of a vibration without "p-p", "rms" and the like, and its factor to peak.
+
+    Raises:
+        ValueError: it says two different ones.
+    """
+    factors = set()
+    for words, factor in _HEIGHTS.items():
+        found = re.compile(rf"(?<=[^\W_])[\s_-]*\(?(?:{words})\)?(?!\w)", re.IGNORECASE)
+        text, count = found.subn("", text)
+        factors |= {factor} if count else set()
+    if len(factors) > 1:
+        raise ValueError("states two of peak, peak-to-peak and rms: write one")
+    return text, factors.pop() if factors else 1.0
+
+
 def in_per_cent(value: float) -> str:
     """Return what to write for a ratio that is too large, if it is in per cent."""
     return f"; write {value / 100.0:.4g}, or '{value:.4g} %', if it is in per cent"
@@ -50,7 +77,8 @@ def ends_of(text: str) -> list[str]:
 
 def spelled(own: str, unit: str) -> str:
     """Return the unit ``own`` as pint spells it, for a quantity whose SI unit is ``unit``."""
-    own = re.sub(rf"(?<={_LETTER})-(?={_LETTER})", " ", own)  # N-m
+    own = re.sub(rf"(?<={_LETTER})-(?={_LETTER})", " ", own.replace("r.p.m.", "rpm"))  # N-m
+    own = re.sub(r"^\s*/", "1 / ", own)  # /min
     own = re.sub(rf"{_LETTER}+", lambda match: _name(match[0], unit), own)
     return re.sub(rf"(?<={_LETTER})(-?\d)(?!\d)", r"**\1", own)  # cm2, m-1
 
@@ -61,6 +89,10 @@ def _name(name: str, unit: str) -> str:
         return "thou"
     if "N" in unit and name in _FORCES:
         return _FORCES[name]
+    if unit == "Hz" and name.lower() in _TURNS:
+        return _TURNS[name.lower()]
+    if unit == "m/s^2" and name.lower() in _GRAVITY:
+        return "standard_gravity"
     if together := _TOGETHER.fullmatch(name):  # for pint Nm is a fineness of yarn
         return " ".join(filter(None, together.groups()))
     return name.lower() if len(name) > 4 else _CASES.get(name.casefold(), name)

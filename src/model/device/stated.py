@@ -5,16 +5,18 @@ from collections.abc import Hashable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, cast, get_args
+from typing import Any, get_args
 
 import yaml
 
 from model.device.amounts import Tolerance, read_amount, read_range
-from model.device.base import BASE, SOURCES, pair_of, with_base
+from model.device.base import BASE, CENTRE, SOURCES, pair_of, with_base
 from model.device.holder import RATIOS, with_damping
 from model.device.plausibility import check_place, check_press, doubts
 from model.physics.parameters import FIELDS, PARAMETER_NAMES, Parameters, Shape, check_name
+from model.physics.quantities import LENGTH
 from model.physics.rest import Start
+from model.physics.tables import Value, vars_of
 from model.physics.units import UNITS, Device, Units, device
 from model.runs.settings import Settings
 from model.sweeps.files import read_text
@@ -27,7 +29,7 @@ LIMITS: Mapping[str, tuple[str, str]] = {
 }
 # Limit "vibration" of a design: the share of devices that must not align without vibration.
 VIBRATION: Mapping[str, float] = {"needed": 1.0, "not needed": 0.0}
-QUANTITIES = (*UNITS, *PARAMETER_NAMES, *RATIOS, *BASE)
+QUANTITIES = (*UNITS, *PARAMETER_NAMES, *RATIOS, *BASE, CENTRE)
 _BESIDES = ("materials", "free", "limits", "start", "shape")
 
 
@@ -35,8 +37,8 @@ class DeviceError(ValueError):
     """A file that states no valid device."""
 
 
-@dataclass(frozen=True)
-class StatedDevice:
+@dataclass(frozen=True, eq=False, repr=False)
+class StatedDevice(Value):
     """A device as its file states it, in SI units.
 
     Attributes:
@@ -49,9 +51,10 @@ class StatedDevice:
             devices that must not align without it, 1 or 0.
         changes: quantities that replace the file's, as they were given.
         start: start of its runs (``Settings.start``), or None.
-        shape: shape of part and hole (``Settings.shape``), or None.
+        stated_shape: shape of part and hole (``Settings.shape``), or None.
         horizon: latest time of its runs in s, or None for that of the settings in units of 1/p.
         insertion_depth: depth in m at which it counts as inserted, or None for the default.
+        notes: lines on words of the file that ``changes`` may have made mean something else.
     """
 
     source: Path
@@ -62,9 +65,18 @@ class StatedDevice:
     limits: Mapping[str, float] = field(default_factory=dict)
     changes: Mapping[str, object] = field(default_factory=dict)
     start: Start | None = None
-    shape: Shape | None = None
+    stated_shape: Shape | None = None
     horizon: float | None = None
     insertion_depth: float | None = None
+    notes: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        changes = "".join(f", {name}={value}" for name, value in self.changes.items())
+        return f"<StatedDevice: {self.source}{changes}>"
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what copies and pickles hold: nothing that is computed from it."""
+        return vars_of(self)
 
     @cached_property
     def device(self) -> Device:
@@ -80,6 +92,11 @@ class StatedDevice:
     def parameters(self) -> Parameters:
         """Dimensionless parameters of the device."""
         return self.device.parameters
+
+    @property
+    def shape(self) -> Shape:
+        """Shape of part and hole; "round" where none is stated."""
+        return self.stated_shape or "round"
 
     @property
     def values(self) -> dict[str, float]:
@@ -115,23 +132,30 @@ class StatedDevice:
         kept = {name: v for name, v in self.quantities.items() if name not in replaced}
         stated = None if "materials" in replaced else self.materials
         pair = None if stated is None else pair_of(stated)
-        return with_base(with_damping({**kept, **changes}), pair)
+        quantities = with_damping({**kept, **changes})
+        if CENTRE in quantities:
+            quantities["half_height"] = quantities.pop(CENTRE)
+        return with_base(quantities, pair, self.shape)
 
-    def changed(self, **changes: float) -> "StatedDevice":
-        """Return the device with other values (SI units) and the same tolerances.
+    def changed(self, **changes: float | str) -> "StatedDevice":
+        """Return the device with other values and the same tolerances.
+
+        Numbers are in SI units; a text has a unit, and may state another tolerance.
 
         Quantities that the new values replace, such as ``materials``, go with their tolerances.
 
         Raises:
-            ValueError: an unknown quantity.
+            ValueError: an unknown quantity, or a text that is no amount.
         """
         for name in changes:
             check_name(name, QUANTITIES, "quantity of a device")
+        values, tolerances = _amounts(changes, self.quantities.get("frequency"))
         replaced = _replaced_by(changes)
         return replace(
             self,
-            quantities={n: v for n, v in self.quantities.items() if n not in replaced} | changes,
-            tolerances={n: each for n, each in self.tolerances.items() if n not in replaced},
+            quantities={n: v for n, v in self.quantities.items() if n not in replaced} | values,
+            tolerances={n: each for n, each in self.tolerances.items() if n not in replaced}
+            | tolerances,
             materials=None if "materials" in replaced else self.materials,
             changes={**self.changes, **changes},
         )
@@ -167,7 +191,13 @@ class StatedDevice:
             and each.around(self.quantities[name]) > abs(self.quantities[name])
             and (name not in FIELDS or FIELDS[name].bound)
         ]
-        return doubts({**self.quantities, **self.resolved({})}, self.device) + cut_off
+        found = doubts({**self.resolved({}), **self.quantities}, self.device, self.shape)
+        if self.stated_shape is None:
+            found.append(
+                "shape is not stated: taken as round, a peg in a round hole; state shape: round, "
+                "or shape: square for a plane part beside a slot"
+            )
+        return [*self.notes, *found, *cut_off]
 
 
 def _replaced_by(changes: Iterable[str]) -> set[str]:
@@ -195,25 +225,30 @@ def load_device(path: Path | str, changes: Mapping[str, object] | None = None) -
     replaced = _replaced_by(changes)
     mapping = {name: value for name, value in _mapping(path).items() if name not in replaced}
     try:
-        values, tolerances = _amounts({n: v for n, v in mapping.items() if n not in _BESIDES})
-        changed, others = _amounts({n: v for n, v in changes.items() if n not in _BESIDES})
+        at = _one_frequency(mapping)
+        values, tolerances = _amounts(mapping, at)
+        changed, others = _amounts(changes, _one_frequency({**mapping, **changes}))
         materials = changes.get("materials", mapping.get("materials"))
         stated = StatedDevice(
             source=path,
             quantities={**values, **changed},
             tolerances={**tolerances, **others},
             materials=None if materials is None else str(materials),
-            free={n: read_range(n, v, unit_of(n)) for n, v in _section("free", mapping)},
+            free={n: read_range(n, v, unit_of(n), at) for n, v in _section("free", mapping)},
             limits=_limits(mapping),
             changes=dict(changes),
             start=mapping.get("start"),
-            shape=cast("Any", changes.get("shape", mapping.get("shape"))),
+            stated_shape=mapping.get("shape"),
+            notes=_kept_amplitude(mapping, values, changes),
         )
         for name, kind in (("start", Start), ("shape", Shape)):
-            if getattr(stated, name) is not None:
-                check_name(str(getattr(stated, name)), get_args(kind), name)
+            if mapping.get(name) is not None:
+                check_name(str(mapping[name]), get_args(kind), name)
         # Refuses unknown and missing quantities, before anything is computed from them.
-        device(with_damping({n: v for n, v in stated.quantities.items() if n not in BASE}))
+        known = with_damping({n: v for n, v in stated.quantities.items() if n not in BASE})
+        if CENTRE in known:
+            known["half_height"] = known.pop(CENTRE)
+        device(known)
         stated.admitted({})
         _check_tolerances(stated)
     except ValueError as error:
@@ -230,6 +265,8 @@ def unit_of(name: str) -> str:
     check_name(name, QUANTITIES, "quantity of a device")
     if name in RATIOS:
         return "1"
+    if name == CENTRE:
+        return LENGTH.unit
     return (UNITS | FIELDS)[name].quantity.unit if name not in BASE else BASE[name][1]  # type: ignore[operator]
 
 
@@ -269,8 +306,37 @@ def _mapping(path: Path) -> dict[str, Any]:
     return {str(name): value for name, value in mapping.items()}
 
 
-def _amounts(given: Mapping[str, object]) -> tuple[dict[str, float], dict[str, Tolerance]]:
-    amounts = {name: read_amount(name, value, unit_of(name)) for name, value in given.items()}
+def _kept_amplitude(
+    mapping: Mapping[str, Any], values: Mapping[str, float], changes: Mapping[str, object]
+) -> tuple[str, ...]:
+    """Return a line if the file's amplitude is an acceleration at a frequency that is changed."""
+    if "frequency" not in changes or "amplitude" not in values or "amplitude" in changes:
+        return ()
+    given, kept = mapping["amplitude"], values["amplitude"]
+    if math.isclose(read_amount("amplitude", given, "m", 1.0).value, kept):
+        return ()
+    at, now = f"{values['frequency']:.4g} Hz", changes["frequency"]
+    words = f"amplitude = {given} is {1e3 * kept:.4g} mm at {at}, and stays so at frequency = {now}"
+    return (f"{words}: set amplitude, too, if the acceleration is to stay",)
+
+
+def _one_frequency(mapping: Mapping[str, Any]) -> float | None:
+    """Return the frequency in Hz, or None if it is missing, free or has a tolerance."""
+    if mapping.get("frequency") is None or "frequency" in dict(_section("free", mapping)):
+        return None
+    amount = read_amount("frequency", mapping["frequency"], "Hz")
+    return None if amount.tolerance else amount.value
+
+
+def _amounts(
+    given: Mapping[str, object], frequency: float | None
+) -> tuple[dict[str, float], dict[str, Tolerance]]:
+    """Return values and tolerances of what is ``given`` besides ``_BESIDES``, in SI units."""
+    amounts = {
+        name: read_amount(name, value, unit_of(name), frequency)
+        for name, value in given.items()
+        if name not in _BESIDES
+    }
     tolerances = {n: each.tolerance for n, each in amounts.items() if each.tolerance is not None}
     return {name: each.value for name, each in amounts.items()}, tolerances
 

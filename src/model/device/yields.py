@@ -11,17 +11,21 @@ import math
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from scipy import stats
 
-from model.device import StatedDevice, Tolerance
+from model.device import StatedDevice, Tolerance, load_device
 from model.device.cases import stated_case
 from model.device.reliability import DeviceResults, Floats, run_devices
+from model.events.insertion import INSERTION
 from model.physics.parameters import FIELDS
+from model.physics.tables import Value
 from model.runs.settings import Settings
-from model.sweeps.starts import Starts
+from model.sweeps.settings import Ensemble
+from model.sweeps.starts import Starts, starts_of
 
 CONFIDENCE = 0.95
 QUANTILES = (0.05, 0.5, 0.95)
@@ -30,8 +34,8 @@ INDEX_POINTS = 256  # points of the Sobol' indices, a power of two
 INDEX_STARTS = 4  # the indices take every fourth start
 
 
-@dataclass(frozen=True)
-class SobolIndices:
+@dataclass(frozen=True, eq=False, repr=False)
+class SobolIndices(Value):
     """Sobol' indices of one quantity, of first order and total: of failure, and of time.
 
     NaN where there is no variance: no device fails, or all do. ``intervals`` holds the ends of the
@@ -46,8 +50,8 @@ class SobolIndices:
     intervals: tuple[tuple[float, float], ...] = ((math.nan, math.nan),) * 4
 
 
-@dataclass(frozen=True)
-class Yield:
+@dataclass(frozen=True, eq=False, repr=False)
+class Yield(Value):
     """Yield of a device with tolerances; SI units.
 
     Attributes:
@@ -77,6 +81,10 @@ class Yield:
     forces: Mapping[str, float] = field(default_factory=dict)
     insertion: tuple[float, float, float] = (math.nan,) * 3
     confidence: float = CONFIDENCE
+
+    def __repr__(self) -> str:
+        ends = f"{100.0 * self.low:.4g} to {100.0 * self.high:.4g} %"
+        return f"<Yield: {100.0 * self.share:.4g} % ({ends}) of {self.devices:,} devices>"
 
     @property
     def share(self) -> float:
@@ -139,9 +147,9 @@ def check_devices(count: float) -> int:
 
 
 def yield_of(
-    stated: StatedDevice,
-    starts: Starts,
-    settings: Settings,
+    stated: StatedDevice | Path | str,
+    starts: Starts | None = None,
+    settings: Settings | None = None,
     cores: int = 1,
     *,
     devices: int = DEVICES,
@@ -150,11 +158,16 @@ def yield_of(
 ) -> tuple[Yield, DeviceResults]:
     """Return the yield of a device with tolerances, and the results of the drawn devices.
 
+    The starts are those of the study by default, the settings the defaults in the insertion scene.
     Without ``indices`` no Sobol' indices are computed.
 
     Raises:
         ValueError: a device without tolerances, or a number that is no power of two.
     """
+    if not isinstance(stated, StatedDevice):
+        stated = load_device(stated)
+    starts = starts or starts_of(stated.parameters, Ensemble())
+    settings = settings or Settings(scene=INSERTION)
     if not stated.tolerances:
         raise ValueError(f"{stated.source}: no quantity has a tolerance, such as 10 N ± 5 %")
     check_devices(devices)

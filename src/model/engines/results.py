@@ -29,7 +29,7 @@ from model.engines.tolerances import (
 from model.events.outcomes import InsertionOutcome, Outcome, Reason, Unvibrated
 from model.physics.notation import State
 from model.physics.quantities import ANGLE, FORCE, LENGTH, PLAIN, SPEED, TILT_RATE, TIME, Quantity
-from model.physics.tables import entries, field_of, numbers
+from model.physics.tables import Value, entries, field_of, numbers
 
 
 class Sensitivity(IntEnum):
@@ -112,11 +112,11 @@ def entry(
 @dataclass_transform(frozen_default=True, kw_only_default=True, field_specifiers=(entry,))
 def results_table(table: type[Table]) -> type[Table]:
     """Make a table of results a frozen dataclass with keyword arguments."""
-    return dataclass(frozen=True, kw_only=True)(table)
+    return dataclass(frozen=True, kw_only=True, eq=False, repr=False)(table)
 
 
 @results_table
-class Results(Generic[OutcomeT, ReasonT, Real, Count, Flag]):
+class Results(Value, Generic[OutcomeT, ReasonT, Real, Count, Flag]):
     """The table of results, for one run or for arrays of runs; see ``Result``."""
 
     tau_align: Real = entry(

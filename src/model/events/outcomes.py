@@ -6,7 +6,17 @@ from typing import Any
 from model.physics.tables import numbers
 
 
-class Outcome(IntEnum):
+class Named(IntEnum):
+    """Numbers that print as their names: ``f"{Outcome.ALIGNED}"`` is "aligned"."""
+
+    def __str__(self) -> str:
+        return self.name.lower()
+
+    def __format__(self, spec: str) -> str:
+        return format(int(self) if spec.endswith("d") else str(self), spec)
+
+
+class Outcome(Named):
     """Outcome of a run; the values are the flags stored in datasets."""
 
     ALIGNED = 0
@@ -19,7 +29,7 @@ class Outcome(IntEnum):
     CLIMBED_OUT = 7
 
 
-class InsertionOutcome(IntEnum):
+class InsertionOutcome(Named):
     """End of an aligned run in the insertion scene, as in ``Outcome``; NOT_ALIGNED: not run."""
 
     NOT_ALIGNED = -1
@@ -30,7 +40,7 @@ class InsertionOutcome(IntEnum):
     CLIMBED_OUT = Outcome.CLIMBED_OUT
 
 
-class Unvibrated(IntEnum):
+class Unvibrated(Named):
     """End of the unvibrated control; the values are the flags stored in datasets."""
 
     ALIGNS = 0
@@ -38,7 +48,7 @@ class Unvibrated(IntEnum):
     LEAVES = 2
 
 
-class Reason(IntEnum):
+class Reason(Named):
     """Reason of an outcome; NONE where the outcome says it all."""
 
     NONE = 0

@@ -4,8 +4,9 @@ A run that reaches an undeclared contact leaves the scene and ends; it is never 
 missing physics.
 """
 
-from dataclasses import dataclass, field
-from typing import Literal, NamedTuple, get_args
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal, NamedTuple, get_args
 
 from model.events.table import EVENTS, Table
 
@@ -13,7 +14,7 @@ ContactName = Literal["edge_on_face", "edge_on_side", "corner_on_flat", "corner_
 CONTACT_NAMES: tuple[ContactName, ...] = get_args(ContactName)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Scene:
     """A named set of declared contacts.
 
@@ -28,7 +29,7 @@ class Scene:
 
     name: str
     contacts: frozenset[ContactName]
-    events: Table = field(default=EVENTS, repr=False)
+    events: Table = EVENTS
 
     def __post_init__(self) -> None:
         unknown = set(self.contacts) - set(CONTACT_NAMES)
@@ -38,10 +39,34 @@ class Scene:
                 f"valid are {', '.join(CONTACT_NAMES)}"
             )
 
+    def __repr__(self) -> str:
+        return f"<Scene: {self.name}>"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Return what copies and pickles are made of: the table of events goes by its name."""
+        for name, table in _tables().items():
+            if self.events is table:
+                return _scene_of, (self.name, tuple(sorted(self.contacts)), name)
+        raise TypeError(
+            f"scene {self.name!r} has a table of events of its own, which cannot be copied or "
+            "pickled: make the scene in each process"
+        )
+
     @property
     def declared(self) -> "Declared":
         """The declared contacts in the form that kernels take."""
         return Declared(*(name in self.contacts for name in CONTACT_NAMES))
+
+
+def _tables() -> dict[str, Table]:
+    from model.events.insertion import TABLE  # noqa: PLC0415 - it builds upon this module
+
+    return {"alignment": EVENTS, "insertion": TABLE}
+
+
+def _scene_of(name: str, contacts: Sequence[ContactName], table: str) -> Scene:
+    """Return a scene with the table of events of that name."""
+    return Scene(name, frozenset(contacts), _tables()[table])
 
 
 class Declared(NamedTuple):

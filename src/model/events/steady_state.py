@@ -4,7 +4,8 @@ After every excitation period the state is compared with the state n periods ear
 difference Δ is small and contracts twice in a row, by a ratio ρ < 1 over n periods, the remaining
 transient is at most Δ/(1 - ρ). The rest of the difference, which does not contract, may be a creep:
 it is assumed to last. The steady state is reached when neither change, times five, can bring about
-alignment or any other event that did not happen in the last n periods.
+alignment or any other event that did not happen in the last n periods. Its period is the shortest
+that the rest of the transient admits.
 """
 
 from model.compile.kernels import inlined_kernel, kernel
@@ -162,6 +163,22 @@ def _no_event_follows(events, count, n, reach, lowest, p):
 
 
 @kernel
+def _shortest_period(count, n, gap, before, states, noise):
+    """Return the shortest divisor of ``n`` that may be the period of the steady state.
+
+    A transient that turns as it decays may contract over n periods only. States of one phase of the
+    cycle then differ by no more than what is left of the transient now and n periods ago; ``gap``
+    and ``before`` are the differences over n periods.
+    """
+    contraction = gap / before if before > noise else 0.0
+    admitted = (max(gap, noise) + max(before, noise)) / (1.0 - contraction)
+    for divisor in range(1, n):
+        if n % divisor == 0 and _repeats(count, divisor, states, admitted):
+            return divisor
+    return n
+
+
+@kernel
 def settled_period(events, count, period, states, lowest, p, noise):
     """Return the period of the steady state, in excitation periods; 0 if there is none yet.
 
@@ -177,5 +194,5 @@ def settled_period(events, count, period, states, lowest, p, noise):
         d2 = _difference(count - 2 * n, n, states)
         reach, contracts = _reach(d0, d1, d2, _LASTING / (n * period), noise)
         if contracts and _no_event_follows(events, count, n, reach, lowest, p):
-            return n
+            return _shortest_period(count, n, _largest(d0), _largest(d1), states, noise)
     return 0

@@ -30,7 +30,7 @@ from model.physics.quantities import (
     TILT_STIFFNESS,
     Quantity,
 )
-from model.physics.tables import described, entries, field_of, numbers
+from model.physics.tables import Value, described, entries, field_of, numbers
 from model.physics.variants import VARIANT_NAMES, Variants
 
 Bound = Literal["", "> 0", ">= 0"]
@@ -93,7 +93,7 @@ def entry(
 
 @dataclass_transform(frozen_default=True, kw_only_default=True, field_specifiers=(entry,))
 def _table(table: type[Table]) -> type[Table]:
-    return dataclass(frozen=True, kw_only=True)(table)
+    return dataclass(frozen=True, kw_only=True, eq=False, repr=False)(table)
 
 
 def check_name(name: str, valid: Sequence[str], what: str) -> None:
@@ -116,7 +116,7 @@ _MISPLACED_RULE = (
 
 
 @_table
-class Parameters:
+class Parameters(Value):
     """One device, its excitation and its start; every value dimensionless (paper, sect. 2).
 
     ``None`` for ``rest_x`` and ``rest_y`` means that the suspension is relaxed at the start of the
@@ -283,8 +283,8 @@ def resolved(given):
     return Constants(*(_constant(name, given) for name in _CONSTANTS))
 
 
-@dataclass(frozen=True)
-class Batch:
+@dataclass(frozen=True, eq=False, repr=False)
+class Batch(Value):
     """Parameter sets: ``values[name]`` is an array of shape (n,), where NaN stands for None.
 
     ``of`` and ``stack`` make checked batches; the constructor does not check.
@@ -319,7 +319,16 @@ class Batch:
             name: arrays.get(name, np.full(size, getattr(baseline, name), dtype=np.float64))
             for name in PARAMETER_NAMES
         }
-        for name in swept:
+        return cls(columns).checked(*swept)
+
+    def checked(self, *names: str) -> "Batch":
+        """Return the batch itself, in which the parameters of these names keep their rules.
+
+        Raises:
+            ValueError: a value outside its rule; the message names its row.
+        """
+        columns = self.values
+        for name in names:
             outside = ~FIELDS[name].admits(columns[name])
             if outside.any():
                 row = int(np.argmax(outside))
@@ -332,7 +341,7 @@ class Batch:
             raise ValueError(
                 f"misalignment[{row}] = {float(columns['misalignment'][row])!r}: {_MISPLACED_RULE}"
             )
-        return cls(columns)
+        return self
 
     @classmethod
     def stack(cls, parameters: Sequence[Parameters]) -> "Batch":
@@ -354,6 +363,11 @@ class Batch:
     def __len__(self) -> int:
         return int(self.values["half_width"].size)
 
+    def __repr__(self) -> str:
+        ends = {n: (v.min(), v.max()) for n, v in self.values.items() if np.ptp(v) > 0.0}
+        varied = ", ".join(f"{n} {low:.6g} to {high:.6g}" for n, (low, high) in ends.items())
+        return f"<Batch: {len(self):,} parameter sets; {varied or 'none varies'}>"
+
     def __getitem__(self, row: int) -> Parameters:
         """Return the parameter set in ``row``, as a validated ``Parameters``."""
         values: dict[str, Any] = {name: float(value[row]) for name, value in self.values.items()}
@@ -370,7 +384,7 @@ class Batch:
         return np.asarray(given.press_force - (given.rest_y - given.half_height))
 
     def constants(
-        self, readings: Variants, insertion_depth: float | None = None
+        self, variants: Variants, insertion_depth: float | None = None
     ) -> NDArray[np.float64]:
         """Return the ``Constants`` of each parameter set as a row, shape (n, constants).
 
@@ -378,13 +392,13 @@ class Batch:
         not hold the part is beyond reach.
         """
         columns = resolved(Given(**self.values))._asdict()
-        if readings.preload == "printed":
+        if variants.preload == "printed":
             columns["rest_y"] = 0.0  # an axial spring relaxed at 0
         if insertion_depth is not None:
             columns["insertion_depth"] = np.where(
                 self.reaches() > insertion_depth, insertion_depth, _BEYOND_REACH
             )
-        columns |= {f"printed_{name}": readings.is_printed(name) for name in VARIANT_NAMES}
+        columns |= {f"printed_{name}": variants.is_printed(name) for name in VARIANT_NAMES}
         rows = np.empty((len(self), len(_CONSTANTS)))
         for place, name in enumerate(_CONSTANTS):
             rows[:, place] = columns[name]

@@ -6,9 +6,12 @@ a device are thus its three units; every other unit is a product of their powers
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from model.physics.parameters import (
     FIELDS,
@@ -26,7 +29,7 @@ UNITS: Mapping[str, Field] = {
     "axial_stiffness": Field(
         "K_Y", "stiffness of the holder along the assembly axis", STIFFNESS, "> 0"
     ),
-    "amplitude": Field("A", "amplitude of the holder's excitation", LENGTH, "> 0"),
+    "amplitude": Field("A", "amplitude (peak) of the holder's excitation", LENGTH, "> 0"),
 }
 
 
@@ -65,9 +68,7 @@ class Units:
 
     def of(self, quantity: Quantity) -> float:
         """Return one dimensionless unit of ``quantity`` in its SI unit."""
-        powers = (self.amplitude, quantity.length), (self.time, quantity.time)
-        scale = math.prod(unit**power for unit, power in (*powers, (self.force, quantity.force)))
-        return scale * quantity.factor
+        return float(_scale(self.amplitude, self.time, self.force, quantity))
 
     def in_si(self, parameters: Parameters) -> Parameters:
         """Convert the model's ``parameters`` to SI units; ``None`` stays ``None``."""
@@ -77,6 +78,24 @@ class Units:
                 for name, value in parameters.given().items()
             }
         )
+
+
+def _scale(amplitude: Any, time: Any, force: Any, quantity: Quantity) -> Any:
+    """Return a dimensionless unit of ``quantity`` in SI units, of numbers or of arrays."""
+    powers = (amplitude, quantity.length), (time, quantity.time), (force, quantity.force)
+    return math.prod(unit**power for unit, power in powers) * quantity.factor
+
+
+def scales(units: Sequence[Units], quantity: Quantity) -> NDArray[np.float64]:
+    """Return ``of`` of each of ``units``, shape (n,), fast where many are one and the same."""
+    places = {id(each): place for place, each in enumerate(units)}
+    distinct = {own: row for row, own in enumerate(places)}
+    one = [units[place] for place in places.values()]
+    lengths, times, forces = (
+        np.array([getattr(each, name) for each in one]) for name in ("amplitude", "time", "force")
+    )
+    found: NDArray[np.float64] = _scale(lengths, times, forces, quantity) * np.ones(len(one))
+    return found[[distinct[id(each)] for each in units]]
 
 
 class Device(NamedTuple):

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model.engines.results import RESULTS, VALUE_TYPES, Results, RunResult, results_table
+from model.events.outcomes import Outcome
 from model.physics.parameters import Batch, Parameters
 from model.physics.tables import described
 from model.runs.engines import Array, Engine, engine_for, error_carrying_engine
@@ -32,6 +33,11 @@ class Alignments(
 
     def __len__(self) -> int:
         return int(self.outcome.size)
+
+    def __repr__(self) -> str:
+        counts = {str(each): int((self.outcome == each).sum()) for each in Outcome}
+        ends = ", ".join(f"{count:,} {name}" for name, count in counts.items() if count)
+        return f"<Alignments: {len(self):,} runs, {ends}; {self.sensitive.sum():,} sensitive>"
 
 
 Alignments.__doc__ = described(Alignments.__doc__, RESULTS)
@@ -59,23 +65,7 @@ def align(
 ) -> Alignments:
     """Run every parameter set of ``batch`` to its end and estimate the error of its result.
 
-    Each result depends on its own parameter set only: row i of ``align(batch)`` equals
-    ``align([batch[i]])`` to the bit, for any order and any number of cores.
-
-    Args:
-        batch: a ``Batch``, or a sequence of ``Parameters``.
-        settings: settings of the runs; the defaults of ``Settings`` if None.
-        cores: number of threads, >= 1; all cores by default.
-        engine: "scalar" is the reference engine, one set at a time by Runge-Kutta steps. "batch" is
-            the batch engine, many sets at a time by Taylor series; it needs the consistent
-            readings. By default "batch" where it fits, else "scalar". Results of the two agree
-            within their error estimates.
-        **changes: fields of ``Settings`` by name, over those of ``settings`` (``horizon=100``).
-
-    Raises:
-        TypeError: no batch and no sequence of ``Parameters``, or a setting of the wrong type.
-        ValueError: an empty batch, fewer than one core, an engine that does not fit, or a setting
-            that is unknown or out of range.
+    As ``model.align``, which takes any devices; its errors.
     """
     settings = settings_with(settings, changes)
     rows_of = batch if isinstance(batch, Batch) else Batch.stack(batch)

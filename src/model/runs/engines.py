@@ -24,7 +24,7 @@ Engine = Literal["batch", "scalar"]
 Run = Callable[[Array, Array], Array]
 """(rows, tolerances) -> results; shapes (n, constants), (n,) and (n, fields of RunResult)."""
 
-PROGRESS = logging.getLogger(__name__)  # logs at level INFO how many runs of a batch are done
+PROGRESS = logging.getLogger("vibralign")  # logs at level INFO how many runs of a batch are done
 _PAUSE = 0.5  # s, between two messages
 
 NO_TRACK = np.empty((0, TRACK_COLUMNS))
@@ -116,18 +116,21 @@ def in_threads(work: Callable[[Queue], None], waiting: int = 1, threads: int = 1
     """Call ``work`` in each of ``threads`` with one queue of ``waiting`` runs, and wait for all.
 
     Kernels release the global interpreter lock. Progress is told meanwhile; an interrupt, or an
-    error in one thread, stops them all after their present step.
+    error in one thread, stops them all after their present step, or when they are compiled, and
+    does not wait for them.
     """
     queue, told = new_queue(waiting, threads), PROGRESS.isEnabledFor(logging.INFO)
-    with ThreadPoolExecutor(threads) as pool:
+    pool = ThreadPoolExecutor(threads)
+    try:
         shares = [pool.submit(work, queue) for _ in range(threads)]
-        try:
-            while (now := wait(shares, _PAUSE if told else None, FIRST_EXCEPTION)).not_done:
-                for share in now.done:
-                    share.result()
-                PROGRESS.info("%s of %s runs", f"{min(queue[0], waiting):,}", f"{waiting:,}")
-        except BaseException:
-            stop(queue)
-            raise
+        while (now := wait(shares, _PAUSE if told else None, FIRST_EXCEPTION)).not_done:
+            for share in now.done:
+                share.result()
+            PROGRESS.info("%s of %s runs", f"{min(queue[0], waiting):,}", f"{waiting:,}")
+    except BaseException:
+        stop(queue)
+        raise
+    finally:
+        pool.shutdown(wait=False, cancel_futures=True)
     for share in shares:
         share.result()

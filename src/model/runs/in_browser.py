@@ -161,6 +161,7 @@ def interface(scene: Scene = INSERTION, shape: Shape = "square") -> dict[str, An
     """Return the names and numbers with which a page calls the engines and reads their results."""
     events = in_kernels(scene, shape == "round").events
     return {
+        "shape": shape,
         "parameters": PARAMETER_NAMES,
         "columns": COLUMNS,
         "results": RunResult._fields,

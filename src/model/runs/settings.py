@@ -3,7 +3,7 @@
 import math
 import numbers
 from dataclasses import dataclass, field, fields, replace
-from typing import Any, Protocol, get_args, runtime_checkable
+from typing import Any, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,16 +13,17 @@ from model.events.insertion import INSERTION
 from model.events.kernels import SceneEvents, in_kernels
 from model.events.outcomes import Outcome
 from model.events.scenes import ALIGNMENT, Scene
-from model.physics.parameters import Batch, Parameters, Shape, check_name
+from model.physics.parameters import Batch, Shape, check_name
 from model.physics.rest import Start
+from model.physics.tables import Value
 from model.physics.variants import Variants
 
 SCENES: dict[str, Scene] = {scene.name: scene for scene in (ALIGNMENT, INSERTION)}
 """Scenes that devices and maps may ask for, by name."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Settings:
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Settings(Value):
     """Settings of a run: everything that is not a parameter of the device.
 
     Attributes:
@@ -138,18 +139,6 @@ class Settings:
         )
 
 
-@runtime_checkable
-class Stated(Protocol):
-    """Device as ``load_device`` returns it: dimensionless parameters, and the start of its runs."""
-
-    @property
-    def parameters(self) -> Parameters: ...  # noqa: D102
-    @property
-    def start(self) -> Start | None: ...  # noqa: D102
-    @property
-    def shape(self) -> Shape | None: ...  # noqa: D102
-
-
 def settings_with(settings: Settings | None, changes: dict[str, Any]) -> Settings:
     """Return ``settings``, or the default ones, with ``changes``.
 
@@ -161,4 +150,7 @@ def settings_with(settings: Settings | None, changes: dict[str, Any]) -> Setting
         raise TypeError(f"settings = {settings!r}: must be a Settings")
     for name in changes:
         check_name(name, [each.name for each in fields(Settings)], "setting")
+    if isinstance(scene := changes.get("scene"), str):
+        check_name(scene, [*SCENES], "scene")
+        changes = {**changes, "scene": SCENES[scene]}
     return replace(settings or Settings(), **changes)

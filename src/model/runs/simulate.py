@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -23,7 +22,7 @@ from model.physics.parameters import Batch, Parameters
 from model.physics.tables import described
 from model.runs.engines import Array, scalar_engine
 from model.runs.errors import estimate
-from model.runs.settings import Settings, Stated, settings_with
+from model.runs.settings import Settings, settings_with
 
 _USUAL_TRACK = 4096  # rows; a longer trajectory is run again with enough rows
 
@@ -45,6 +44,11 @@ class Trajectory(Results[Outcome, Reason, float, int, bool]):
     contact_force: NDArray[np.float64]
     side_force: NDArray[np.float64]
     right_force: NDArray[np.float64]
+
+    def __repr__(self) -> str:
+        time = "" if math.isnan(self.tau_align) else f" at τ = {self.tau_align:.7g} ± "
+        error = time and f"{self.tau_error:.1g}"
+        return f"<Trajectory: {self.outcome}{time}{error}, {len(self.time):,} samples>"
 
     @property
     def track_variables(self) -> dict[str, NDArray[np.float64]]:
@@ -76,24 +80,10 @@ Trajectory.__doc__ = described(Trajectory.__doc__, RESULTS)
 
 
 def simulate(
-    parameters: Parameters | Stated, settings: Settings | None = None, **changes: Any
+    parameters: Parameters, settings: Settings | None = None, **changes: Any
 ) -> Trajectory:
-    """Run one parameter set and return its trajectory.
-
-    Args:
-        parameters: device, excitation and initial state; or a device as ``load_device`` returns it,
-            from the start that its file states unless the settings state one.
-        settings: settings of the run; the defaults of ``Settings`` if None.
-        **changes: fields of ``Settings`` by name, over those of ``settings`` (``horizon=100``).
-
-    Raises:
-        TypeError: no ``Parameters`` and no device, or a setting of the wrong type.
-        ValueError: a setting that is unknown or out of range.
-    """
+    """Run one parameter set and return its trajectory, as ``model.simulate`` of any device."""
     settings = settings_with(settings, changes)
-    if isinstance(parameters, Stated):
-        start, shape = settings.start or parameters.start, settings.shape or parameters.shape
-        settings, parameters = replace(settings, start=start, shape=shape), parameters.parameters
     rows = settings.rows(Batch.stack([parameters]))
     found = estimate(scalar_engine(settings), rows, settings.tolerance)
     results = {name: column[0] for name, column in found.columns().items()}

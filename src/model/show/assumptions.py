@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from model.device import StatedDevice
+from model.device.base import USUAL_STIFFNESS
 from model.device.reliability import STATISTICAL_TOLERANCE
 from model.events.outcomes import Outcome
 from model.physics.parameters import Batch, Parameters
@@ -41,6 +42,7 @@ def assumptions(
     """
     units = None if stated is None else stated.units
     words = {
+        "shape": _shape(settings, stated),
         "start": _STARTS[settings.start or "simultaneous"],
         "touch-down": _touch_down(parameters, units, ensemble),
         "goal": _goal(parameters, settings, units),
@@ -61,7 +63,7 @@ def assumptions_with(
     stated: StatedDevice,
     values: Mapping[str, float],
     settings: Settings,
-    ensemble: Ensemble,
+    ensemble: Ensemble | None,
     *,
     tolerances_assumed: bool = False,
 ) -> dict[str, str]:
@@ -111,6 +113,13 @@ def source_words(stated: StatedDevice) -> str:
     return f"{stated.source}{changes and f', with {changes}'}"
 
 
+def _shape(settings: Settings, stated: StatedDevice | None) -> str:
+    if settings.shape == "round":
+        unstated = stated is not None and stated.stated_shape is None
+        return "round part in a round hole" + (" (not stated: assumed)" if unstated else "")
+    return "square: a plane part beside a slot, as in the paper"
+
+
 def _touch_down(parameters: Parameters, units: Units | None, ensemble: Ensemble | None) -> str:
     if ensemble is None:
         tilt = in_words(parameters.initial_tilt, ANGLE, units)
@@ -147,8 +156,9 @@ def _base(parameters: Parameters, stated: StatedDevice | None) -> str:
     elif stated.base_is_stated:
         source = "as stated"
     else:
-        source = "not stated: 100 times the axial stiffness"
-    impact = "not stated: 1 in units of the model"
+        times = USUAL_STIFFNESS[stated.shape]
+        source = f"not stated: {times:,.0f} times the axial stiffness"
+    impact = f"not stated: {parameters.contact_damping:.4g} in units of the model"
     if "restitution" in stated.quantities:
         impact = f"from a restitution of {stated.quantities['restitution']:g}"
     elif "contact_damping" in stated.quantities:

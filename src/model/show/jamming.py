@@ -30,7 +30,7 @@ _LOOKS: Mapping[Outcome, Mapping[str, Any]] = {
     Outcome.JAMMED: {"color": style.VERMILLION, "marker": "X", "label": "jammed"},
     Outcome.CLIMBED_OUT: {"color": style.PURPLE, "marker": "^", "label": "climbed out"},
 }
-_OTHER: Mapping[str, Any] = {"color": style.GREY, "marker": "+", "label": "another end"}
+_OTHER: Mapping[str, Any] = {"color": style.BLACK, "marker": "+", "label": "another end"}
 _SQUARE = (-1.0, 1.0, 1.0, -1.0, -1.0), (-1.0, -1.0, 1.0, 1.0, -1.0)
 _LEAST = 1e-3  # rad, at which the lines begin
 

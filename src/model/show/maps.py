@@ -1,7 +1,7 @@
-"""Stability maps, such as Figs. 13 and 14: areas, borders, contours and marks."""
+"""Stability maps, such as Figs. 13 and 14: areas, borders and contours."""
 
-from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Literal
+from collections.abc import Iterator, Mapping
+from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
@@ -21,17 +21,13 @@ from model.show import style
 from model.show.style import Bools, Floats
 from model.sweeps.vibration import ONLY_VIBRATED, added, success_of
 
-if TYPE_CHECKING:
-    from model.study.plans import Mark
-
 Place = tuple[float, float]
 Look = Mapping[str, Any]  # keyword arguments of an artist
 
 LEFT_LABEL, NOT_IN = "of these, leaves the scene", "does not go in"
 SLOW_LABEL = "ticked side: rests if pressed slowly"
-RELIABLE_LABEL = "reliable: at every phase"
+RELIABLE_LABEL = "ticked side: aligns from every start"
 VIBRATION_LABEL = "ticked side: aligns only if vibrated"
-MARK_LABEL = "other figures, by number"
 # In the order of ``vibration.added``.
 ADDED_LABELS = (
     "aligns, vibrated or not",
@@ -59,15 +55,13 @@ _DECADE = (1.0, 2.0, 3.0, 5.0)  # round numbers of a logarithmic scale
 _CONTOURS = 5  # approximate number
 _CONTOUR_NODES = 128  # nodes along a side from which contours are drawn, at most
 _LEAST = 0.004  # share of the map; a contour around a smaller area is left out
-_APART = 0.04  # share of the map; least distance between numbers
 
 
-def stability_map(dataset: xr.Dataset, marks: "Sequence[Mark]" = ()) -> Figure:
+def stability_map(dataset: xr.Dataset) -> Figure:
     """Draw durations in colour where the part aligns, hatching where it does not.
 
-    Dots mark where it aligns and does not go in. Contours of the duration, the outlines of the
-    reliable area and of the one that needs vibration, and ``marks``, the operating points of other
-    figures, are drawn over it.
+    Dots mark where it aligns and does not go in. Contours of the duration, and the outlines of the
+    reliable area and of the one that needs vibration, are drawn over it.
     """
     durations = np.ma.masked_invalid(dataset["tau_align"].values)
     outcome, label = dataset["outcome"].values, style.NOT_ALIGNED
@@ -97,7 +91,6 @@ def stability_map(dataset: xr.Dataset, marks: "Sequence[Mark]" = ()) -> Figure:
         if "unvibrated" in dataset:
             needed = dataset["unvibrated"].copy(data=added(dataset) == ONLY_VIBRATED)
             drawing.outline(needed, VIBRATION_LABEL, style.BLACK, "--")
-        drawing.marks(marks)
         return drawing.with_legend()
 
 
@@ -264,51 +257,3 @@ class _Drawing:
         outline.set_path_effects([withStroke(linewidth=2.6, foreground="white"), ticks])
         look: Look = {"linewidth": 1.6, "color": colour, "linestyle": line}
         self.handles.append(Line2D([], [], label=label, **look))
-
-    def marks(self, points: "Sequence[Mark]") -> None:
-        """Number the operating points of other figures, with lines along their sweeps."""
-        places: dict[tuple[Place, Place], list[str]] = {}  # by (end, start) of a range
-        limits = self.axes.get_xlim(), self.axes.get_ylim()
-        for figure, x, y in points:
-            inside_x, inside_y = np.clip(x, *limits[0]), np.clip(y, *limits[1])
-            if (len(x) == 1 and inside_x[0] != x[0]) or (len(y) == 1 and inside_y[0] != y[0]):
-                continue  # outside the map
-            if max(len(x), len(y)) > 1:
-                self._sweep(np.broadcast_to(inside_x, 2), np.broadcast_to(inside_y, 2), figure)
-            ends = (inside_x[-1], inside_y[-1]), (inside_x[0], inside_y[0])
-            names = places.setdefault(ends, [])
-            if figure not in names:
-                names.append(figure)
-        taken: list[Floats] = []
-        # Points first: they cannot move.
-        for end, start in sorted(places, key=lambda ends: ends[0] != ends[1]):
-            self._number(self._free_place(end, start, taken), places[end, start])
-        if places:
-            look: Look = {"markerfacecolor": "white", "markeredgecolor": style.BLACK}
-            mark: Look = {"linestyle": "none", "marker": "o", "markersize": 6, **look}
-            self.handles.append(Line2D([], [], label=MARK_LABEL, **mark))
-
-    def _free_place(self, end: Place, start: Place, taken: list[Floats]) -> Place:
-        """Return the place of a range, nearest to its ``end``, that no other number covers.
-
-        ``taken`` holds the places in use, as shares of the map; the new one is added.
-        """
-        to_share = self.axes.transData + self.axes.transAxes.inverted()
-        places = np.linspace(end, start, 41)
-        shares = to_share.transform(places)
-        free = [all(np.hypot(*(share - other)) > _APART for other in taken) for share in shares]
-        chosen = int(np.argmax(free))  # the end, where none is free
-        taken.append(shares[chosen])
-        return float(places[chosen, 0]), float(places[chosen, 1])
-
-    def _sweep(self, x: Floats, y: Floats, figure: str) -> None:
-        shadow = [Stroke(linewidth=1.5, foreground="#00000055"), Stroke(linewidth=0.8)]
-        dashes: Look = {"linestyle": (0, (2, 2)), "path_effects": shadow, "zorder": 3.5}
-        self.axes.plot(x, y, color="white", linewidth=0.8, label=f"_swept {figure}", **dashes)
-
-    def _number(self, place: Place, figures: Sequence[str]) -> None:
-        words = ", ".join(figure.removeprefix("fig").lstrip("0") for figure in figures)
-        shape = "circle,pad=0.25" if len(words) < 3 else "round,pad=0.3"
-        box = {"facecolor": "white", "edgecolor": style.BLACK, "linewidth": 0.6, "boxstyle": shape}
-        look: Look = {"fontsize": 5.5, "bbox": box, "annotation_clip": False, "zorder": 4.0}
-        self.axes.annotate(words, place, ha="center", va="center", **look)

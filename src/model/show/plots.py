@@ -1,7 +1,6 @@
 """Drawings of datasets: Figs. 5 to 14 and the maps by their ``kind``, and further ones by name."""
 
 from collections.abc import Callable, Mapping
-from typing import Any
 
 import xarray as xr
 from matplotlib.figure import Figure
@@ -16,15 +15,12 @@ _DRAW: Mapping[str, Callable[..., Figure]] = {
 }  # fmt: skip
 
 
-def draw(dataset: xr.Dataset, **more: Any) -> Figure:
-    """Draw the figure of a dataset of the study, by its attribute ``kind``.
-
-    ``more`` are arguments of the drawing, such as the marks of a map.
-    """
+def draw(dataset: xr.Dataset) -> Figure:
+    """Draw the figure of a dataset of the study, by its attribute ``kind``."""
     kind = str(dataset.attrs.get("kind"))
     if kind not in _DRAW:
         raise ValueError(f"kind = {kind!r}: must be one of {', '.join(_DRAW)}")
-    return _DRAW[kind](dataset, **more)
+    return _DRAW[kind](dataset)
 
 
 DRAWINGS: Mapping[str, Callable[..., Figure]] = {

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from model.device.base import BASE
+from model.device.base import BASE, CENTRE
 from model.device.holder import RATIOS, natural_frequencies
 from model.device.stated import unit_of
 from model.physics.parameters import FIELDS, Parameters
@@ -29,7 +29,7 @@ DIGITS = 4
 
 def quantity_of(name: str) -> Quantity:
     """Return the quantity of a number of a device."""
-    if name in BASE or name in RATIOS:
+    if name in {*BASE, *RATIOS, CENTRE}:
         return LENGTH if unit_of(name) == LENGTH.unit else PLAIN
     return (FIELDS | UNITS)[name].quantity  # type: ignore[operator]
 

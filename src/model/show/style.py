@@ -43,16 +43,13 @@ BLACK, GREY = "#000000", "#6E6E6E"
 BLUE, VERMILLION, GREEN = "#0072B2", "#D55E00", "#009E73"
 PURPLE, ORANGE, SKY_BLUE = "#CC79A7", "#E69F00", "#56B4E9"
 
-# Each curve of a family differs in colour, line and marker, so that it survives a grey print.
-_CURVES: tuple[tuple[str, Any, str], ...] = (
-    (BLUE, "-", "o"),
-    (VERMILLION, (0, (5, 1.5)), "s"),
-    (GREEN, (0, (6, 1.5, 1, 1.5)), "^"),
-    (PURPLE, (0, (1.2, 1.2)), "D"),
-    (ORANGE, (0, (8, 1.5, 1, 1.5, 1, 1.5)), "v"),
-    (SKY_BLUE, (0, (3, 1)), "P"),
-    (BLACK, (0, (10, 2)), "X"),
-)
+# Colour and marker of each curve of a family, so that it survives a grey print. Lines are solid: a
+# gap of one says that nothing aligns there, or that the duration jumps.
+_CURVES: tuple[tuple[str, str], ...] = (
+    (BLUE, "o"), (VERMILLION, "s"), (GREEN, "^"), (PURPLE, "D"), (ORANGE, "v"), (SKY_BLUE, "P"),
+    (BLACK, "X"),
+)  # fmt: skip
+_BETWEEN_MARKERS = 0.12  # in diagonals of the axes
 
 _RC: dict[Any, Any] = {
     "font.family": ["DejaVu Sans"],  # comes with matplotlib: the same on every machine
@@ -127,16 +124,15 @@ def new_figure(width: float = FIGURE_WIDTH, height: float = 10.0 * CENTIMETRE) -
     return figure
 
 
-def curve(index: int, points: int, markers: int = 8) -> dict[str, Any]:
+def curve(index: int) -> dict[str, Any]:
     """Return keyword arguments of ``Axes.plot`` for curve ``index`` of a family.
 
-    About ``markers`` markers are placed along its ``points`` points, shifted from curve to curve so
-    that those of neighbours do not hide each other.
+    Markers follow each other along the curve, shifted from curve to curve so that those of
+    neighbours do not hide each other.
     """
-    colour, line, marker = _CURVES[index % len(_CURVES)]
-    stride = max(1, points // markers)
-    start = (index * stride) // len(_CURVES) % stride
-    return {"color": colour, "linestyle": line, "marker": marker, "markevery": (start, stride)}
+    colour, marker = _CURVES[index % len(_CURVES)]
+    along = (_BETWEEN_MARKERS * (0.1 + index % len(_CURVES) / len(_CURVES)), _BETWEEN_MARKERS)
+    return {"color": colour, "marker": marker, "markevery": along}
 
 
 # --- Axes ---------------------------------------------------------------------------------------

@@ -40,7 +40,7 @@ def unit_in_file(quantity: Quantity) -> str:
     return "radian" if quantity is ANGLE else PLAIN.unit
 
 
-def _attributes(result: Result) -> dict[str, Any]:
+def result_attributes(result: Result) -> dict[str, Any]:
     """Return the attributes of the variable of a result."""
     attributes = {"units": unit_in_file(result.quantity), "long_name": result.meaning}
     if result.symbol:
@@ -50,12 +50,12 @@ def _attributes(result: Result) -> dict[str, Any]:
 
 # Attributes of variables: of results of a run, and of quantities over time.
 VARIABLES: Mapping[str, dict[str, Any]] = {
-    name: _attributes(result)
+    name: result_attributes(result)
     for name, result in {**RESULTS, **UNVIBRATED_CONTROL, **IN_SLOT}.items()
     if result.stored
 }
 HISTORY_VARIABLES: Mapping[str, dict[str, Any]] = {
-    name: _attributes(result) for name, result in TRACK_VARIABLES.items() if result.stored
+    name: result_attributes(result) for name, result in TRACK_VARIABLES.items() if result.stored
 }
 
 

@@ -192,7 +192,7 @@ def accept(root: Path, reference: Path, what: Sequence[str], reason: str) -> lis
     now, commit = datetime.now(UTC).date().isoformat(), git_state().get("commit")
     rows, words = [], []
     for name, files in sources.items():
-        changes = _changes(files[0], reference / files[0].name, name)
+        changes = _changes(files, reference, name)
         stated = {"date": now, "what": name, "reason": reason, "commit": commit}
         rows += [{**stated, **change} for change in changes]
         words.append(f"{name}: {len(changes)} lines in {LOG}")
@@ -216,8 +216,9 @@ def _sources(root: Path, name: str) -> list[Path]:
     return files
 
 
-def _changes(built: Path, accepted: Path, name: str) -> list[dict[str, Any]]:
+def _changes(files: Sequence[Path], reference: Path, name: str) -> list[dict[str, Any]]:
     """Return a row of the log for each change; one row for a result without a reference."""
+    built, accepted = files[0], reference / files[0].name
     if not accepted.is_file():
         return [{"variable": "(first)"}]
     if name == "claims":
@@ -225,13 +226,15 @@ def _changes(built: Path, accepted: Path, name: str) -> list[dict[str, Any]]:
             {"variable": each.name, "before": each.before, "after": each.after}
             for each in changed_verdicts(accepted, built)
         ]
+    drawn, kept = files[-1], reference / files[-1].name
+    same = kept.is_file() and kept.read_bytes() == drawn.read_bytes()
+    picture = [] if same else [{"variable": "picture"}]
     if name in SCHEMATICS:
-        same = accepted.read_bytes() == built.read_bytes()
-        return [] if same else [{"variable": "picture"}]
+        return picture
     old, new = read_dataset(accepted), read_dataset(built)
     if old["outcome"].dims != new["outcome"].dims:
         return [{"variable": "(another grid)"}]
-    return [_log_line(change) for change in changes_of(old, new, name)]
+    return [*map(_log_line, changes_of(old, new, name)), *picture]
 
 
 def _log_line(change: Change) -> dict[str, Any]:

@@ -19,7 +19,7 @@ pytestmark = [
     pytest.mark.browser,
     pytest.mark.skipif(not find_browser(), reason="no Chromium is installed; CHROMIUM names one"),
 ]
-PEG = Path(__file__).parents[3] / "docs" / "peg.yaml"
+PEG = Path(__file__).parents[2] / "square" / "peg.yaml"
 SETTINGS = replace(load_study(study_path()).settings.settings, scene=INSERTION)
 
 

@@ -26,7 +26,7 @@ from model.sweeps.io import write_dataset
 STUDY = load_study(study_path())
 INTERFACE = interface()
 MODULES = Modules(b"\0asm one", b"\0asm many", INTERFACE)
-PEG = Path(__file__).parents[3] / "docs/peg.yaml"
+PEG = Path(__file__).parents[2] / "square/peg.yaml"
 
 
 def model_in(page: str) -> dict[str, Any]:
@@ -75,7 +75,7 @@ def test_presets_are_the_operating_points_of_figures_and_hard_cases(page: str) -
     for name in (each for each in presets if each.startswith("fig")):
         held = {**presets[name]["values"], **STUDY.figures[name].held}
         assert presets[name]["values"] == held
-    assert len(presets) == 10 + len(STUDY.hard_cases.cases)
+    assert len(presets) == 10 + len(STUDY.precision.hard.cases)
 
 
 def test_text_cannot_end_the_script_that_holds_it() -> None:

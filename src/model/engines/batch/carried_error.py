@@ -1,10 +1,11 @@
 """The error of a run, carried through its steps by the linearised motion and through its events.
 
-Every step adds its local error, the next term of its series. Between events the error obeys the
-linearised equations of motion (``ErrorWriter`` of series_code.py). At an event it is multiplied by
-the saltation matrix: a displaced run reaches the event later, and until then moves in the mode
-before it (Leine and Nijmeijer, Dynamics and Bifurcations of Non-Smooth Mechanical Systems, 2004,
-section 7.2).
+Every step adds its local error, the next two terms of its series. Between events the error obeys
+the linearised equations of motion (``ErrorWriter`` of series_code.py). Where a contact sticks, the
+step's end removes the slip of the run, and with it that of the error. At an event the error is
+multiplied by the saltation matrix: a displaced run reaches the event later, and until then moves in
+the mode before it (Leine and Nijmeijer, Dynamics and Bifurcations of Non-Smooth Mechanical Systems,
+2004, section 7.2).
 
 Input: the workspace after ``step_all``, and the run's record. Output: the errors in the record.
 """
@@ -12,13 +13,18 @@ Input: the workspace after ``step_all``, and the run's record. Output: the error
 from math import inf
 
 from model.compile.kernels import inlined_kernel, kernel
-from model.compile.vector_code import WIDTH
+from model.compile.vector_code import WIDTH, each_lane
 from model.engines.batch import workspace
 from model.engines.batch.series_layout import ERROR_ORDER, LINES, ORDER, REMAINDER
-from model.engines.batch.workspace import COEFFICIENTS
+from model.engines.batch.workspace import (
+    constants_of_lane,
+    mode_of_lane,
+    state_in_lane,
+    store_state_in_lane,
+)
 from model.engines.rates import STILL, moved, rates_at
 from model.engines.record import AT, ERROR, constants_of, mode_of, state_in, store_state_in
-from model.events.friction import hold_sticking
+from model.events.friction import hold_sticking, without_slip
 from model.events.kernels import kind_of, level
 from model.events.table import OF_LENGTH
 from model.physics.modes import STICKING
@@ -26,6 +32,7 @@ from model.physics.motion import is_beside, is_supported
 from model.physics.notation import STATE_SIZE, State
 
 _DISPLACEMENT = 1e-7  # of the state, for a derivative
+_NO_ERROR = 1e-300  # least size of an error that a derivative is taken along
 
 
 @inlined_kernel
@@ -39,21 +46,39 @@ def _size(q):
 
 
 @inlined_kernel
-def carry_error(length, w, lane, runs, i):
-    """Carry the error of run ``i`` through a step of its lane, or through its part to an event.
+def _error_after(length, w, lane):
+    """The error at ``length`` after the step's start; it grows by the terms that series omit."""
+    error, omitted = STILL, STILL
+    for order in range(ERROR_ORDER, -1, -1):
+        known = state_in_lane(w, workspace.ERROR + order * LINES, lane)
+        error = moved(known, length, error)
+    for order in range(ORDER + REMAINDER, ORDER, -1):
+        term = state_in_lane(w, workspace.COEFFICIENTS + order * LINES, lane)
+        omitted = moved(term, length, omitted)
+    return moved(error, length ** (ORDER + 1), omitted)
 
-    The local error is the first term that the series omits.
-    """
-    power = length ** (ORDER + 1)
-    for n in range(STATE_SIZE):
-        error = 0.0
-        for order in range(ERROR_ORDER, -1, -1):
-            line = workspace.ERROR + order * LINES + n
-            error = error * length + w[line * WIDTH + lane]
-        omitted = w[(COEFFICIENTS + (ORDER + REMAINDER) * LINES + n) * WIDTH + lane]
-        runs[i, ERROR + n] = error + power * omitted
-    size = _size(state_in(runs, ERROR, i))
-    runs[i, AT.largest_error] = max(runs[i, AT.largest_error], size)
+
+@kernel
+def errors_at_ends(lanes, w):
+    """Write the errors at the ends of the steps of all lanes, without slip where contacts stick."""
+    for i in each_lane():
+        error = _error_after(w[workspace.STEP_LENGTH * WIDTH + i], w, i)
+        factor = _DISPLACEMENT / max(_size(error), _NO_ERROR)
+        end, p = state_in_lane(w, workspace.END, i), constants_of_lane(lanes, w, i)
+        held = without_slip(moved(end, factor, error), p, mode_of_lane(lanes, w, i))
+        error = moved(STILL, 1.0 / factor, moved(held, -1.0, end))
+        store_state_in_lane(error, w, workspace.ERROR_AT_END, i)
+
+
+@inlined_kernel
+def carry_error(until, w, lane, runs, i):
+    """Carry the error of run ``i`` through the fraction ``until`` of the step of its lane."""
+    if until == 1.0:
+        error = state_in_lane(w, workspace.ERROR_AT_END, lane)
+    else:
+        error = _error_after(until * w[workspace.STEP_LENGTH * WIDTH + lane], w, lane)
+    store_state_in(error, runs, ERROR, i)
+    runs[i, AT.largest_error] = max(runs[i, AT.largest_error], _size(error))
 
 
 @kernel
@@ -108,7 +133,7 @@ def apply_saltation(events, which, q, before, runs, i):
     across = size * _derivative(events, which, time, q, p, before, unit, 0.0)
     late = -across / _derivative(events, which, time, q, p, before, rates, 1.0)
     at_event = moved(error, late, rates)
-    factor = _DISPLACEMENT / max(_size(at_event), 1e-300)
+    factor = _DISPLACEMENT / max(_size(at_event), _NO_ERROR)
     held = hold_sticking(moved(q, factor, at_event), p, after)
     jump = moved(held, -1.0, hold_sticking(q, p, after))
     error = moved(moved(STILL, 1.0 / factor, jump), -late, rates_after)

@@ -1,6 +1,6 @@
 """Event search inside the step of one lane: the first event, and its state.
 
-Input: the lane's rows of the workspace after ``step_all``. Output: the event and its place in the
+Input: the lane's lines of the workspace after ``step_all``. Output: the event and its place in the
 step, for scheduling.py. Every level is a constant plus multiples of event quantities, or the
 largest of four such sums. The series of its quantities therefore follow from the series of the
 event quantities, and its zeros are located on them. A level with an absolute value is searched
@@ -123,7 +123,7 @@ def values_at(count, theta, series):
 
 
 @kernel
-def _root(each, low, f_low, high, f_high, series):
+def _zero(each, low, f_low, high, f_high, series):
     """Zero of a quantity that has opposite signs at ``low`` and ``high``.
 
     Newton's method from the secant's root, safeguarded by bisection.
@@ -152,10 +152,10 @@ def _crossing_of_all(count, left, before, right, after, series):
     last, first = left, inf
     for each in range(count):
         if before[each] > 0.0:
-            last = max(last, _root(each, left, before[each], right, after[each], series))
+            last = max(last, _zero(each, left, before[each], right, after[each], series))
     for each in range(count):
         if before[each] <= 0.0 < after[each]:
-            first = min(first, _root(each, left, before[each], right, after[each], series))
+            first = min(first, _zero(each, left, before[each], right, after[each], series))
     return last if last < first else NO_EVENT
 
 
@@ -217,6 +217,24 @@ def _all_fall_from_zero(before, after, on_event):
 
 
 @inlined_kernel
+def _beginning(partial, count, left, before, after):
+    """How a level begins in a part: (it may cross zero downward in it, it begins at zero).
+
+    A level that rises from below zero does not cross. Nor does one that begins at zero and does not
+    fall: in the first part or, if its quantities are several, which are places, in the first
+    sixteenth of the step.
+    """
+    f, g = largest(before)[0], largest(after)[0]
+    on_event = ON_AN_EVENT if left == 0.0 and not partial else REST_SLIP
+    at_zero = -on_event <= f <= REST_SLIP and g > -REST_SLIP
+    if at_zero and count > 1 and _all_fall_from_zero(before, after, on_event):
+        return True, at_zero
+    if at_zero and (left == 0.0 or (count > 1 and left < _LEAVING)):
+        return False, at_zero
+    return f > 0.0 or g < 0.0, at_zero
+
+
+@inlined_kernel
 def _crossing_between(partial, count, left, end, series):
     """First down-crossing of the largest of ``series`` between two places, or NO_EVENT.
 
@@ -229,29 +247,20 @@ def _crossing_between(partial, count, left, end, series):
         after, width = values_at(count, right, series), right - left
         most = _bounds(count, left, right, series)
         if not one_stays_above(before, after, most):
-            f, g = largest(before)[0], largest(after)[0]
-            on_event = ON_AN_EVENT if left == 0.0 and not partial else REST_SLIP
-            begins = -on_event <= f <= REST_SLIP and g > -REST_SLIP
             # Bounds the work on a level that is zero to rounding all the time.
             finest = _FINEST if parts < _MOST_PARTS else _LEAVING
-            # A level that rises from below zero has no down-crossing. Nor has one that begins at
-            # zero and does not fall: in the first part or, if its quantities are several, which are
-            # places, in the first sixteenth of the step.
-            starts = left == 0.0 or (count > 1 and left < _LEAVING)
-            may_fall = (f > 0.0 or g < 0.0) and not (starts and begins)
-            may_fall = may_fall or (
-                begins and count > 1 and _all_fall_from_zero(before, after, on_event)
-            )
+            may_cross, at_zero = _beginning(partial, count, left, before, after)
             is_monotonic = _all_are_monotonic(before, after, most)
-            decided = may_fall and is_monotonic
-            if decided or (may_fall and g < 0.0 and width <= finest):
+            ends_below = largest(after)[0] < 0.0
+            if may_cross and (is_monotonic or (ends_below and width <= finest)):
                 theta = _crossing_of_all(count, left, before, right, after, series)
                 if theta != NO_EVENT:
                     return theta
-            is_assumed = begins and (count == 1 or is_monotonic)
-            if not decided and width > (_LEAVING if is_assumed else finest):
-                right = left + 0.5 * width
-                continue
+            if not (may_cross and is_monotonic):
+                least = _LEAVING if at_zero and (count == 1 or is_monotonic) else finest
+                if width > least:
+                    right = left + 0.5 * width
+                    continue
         left, before, right = right, after, min(end, right + 2.0 * width)
     return NO_EVENT
 

@@ -168,7 +168,7 @@ def _advance(scene, lanes, until, history, control, w, lane, runs, i):
     if not continues:
         return False
     if _carries_error(scene, control, runs, i):
-        carry_error(until * length, w, lane, runs, i)
+        carry_error(until, w, lane, runs, i)
     at_deadline = until == 1.0 and length == runs[i, AT.deadline] - start
     runs[i, AT.time] = runs[i, AT.deadline] if at_deadline else start + until * length
     runs[i, AT.next_step] = MOST_GROWTH * length

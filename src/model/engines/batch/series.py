@@ -118,7 +118,7 @@ class Sum(Symbol):
         if function is python_of(sine_cosine):
             return _sine_cosine
         if function is python_of(square_root):
-            return _root
+            return _square_root
         if function is python_of(tips_on_face):
             return _tips_with_rates
         if function is python_of(corner_share):
@@ -240,7 +240,7 @@ def _tips_with_rates(side: float, q: State, p: Constants) -> Contact:
     )  # fmt: skip
 
 
-def _root(value: Sum) -> Sum:
+def _square_root(value: Sum) -> Sum:
     return Sum(0.0, {TaylorSeries("root", (value.as_series(),)): 1.0})
 
 

@@ -14,8 +14,8 @@ from model.engines.batch.series import STATES, EventQuantities, Recurrences, Tay
 ORDER = 16  # of the series
 # Order of the linearised motion; lower ones fail on stiff bases (decision 3), where a step may last
 # 3 radians of a contact's oscillation.
-ERROR_ORDER = 8
-REMAINDER = 1  # further orders, which estimate what the series omits
+ERROR_ORDER = 9
+REMAINDER = 2  # further orders, which estimate what the series omits
 ORDERS = ORDER + REMAINDER + 1  # in memory
 STATE_LINES = len(STATES)
 TILT = 2  # line of the tilt

@@ -15,6 +15,7 @@ import numpy as np
 
 from model.compile.kernels import inlined_kernel, kernel
 from model.compile.vector_code import WIDTH, each_lane
+from model.engines.batch.carried_error import errors_at_ends
 from model.engines.batch.lane_events import (
     CURVATURE,
     QUANTITIES,
@@ -297,3 +298,5 @@ def step_all(lanes, kind, applicable, control, addresses, w):
     _screen(lanes, applicable, w)
     _find(lanes, w)
     _end_steps(lanes, w)
+    if carries_error:
+        errors_at_ends(lanes, w)

@@ -36,7 +36,10 @@ MODE_LINE = GIVEN  # in the order of ``Mode``
     LAST_ORDER,  # of the states' series
 ) = range(MODE_LINE + len(Mode._fields), MODE_LINE + len(Mode._fields) + 8)
 END = LAST_ORDER + 1
-ERROR = END + STATE_SIZE  # series of the error that a run carries, in the layout of COEFFICIENTS
+ERROR_AT_END = END + STATE_SIZE  # the error that a run carries, at the end of the step
+ERROR = (
+    ERROR_AT_END + STATE_SIZE
+)  # series of the error that a run carries, in the layout of COEFFICIENTS
 # The tilt and the event quantities at each node, and their curvature bounds.
 VALUES = ERROR + ORDERS * (LINES + FURTHER_LINES)
 COEFFICIENTS = VALUES + (NODES + 1) * SINES

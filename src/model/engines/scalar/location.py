@@ -66,7 +66,7 @@ def _after_start(events, which, part, high, f_high, time, h, y, dense, p, mode):
 
 
 @kernel
-def _root(events, which, part, low, f_low, high, f_high, time, h, y, dense, p, mode):
+def _zero(events, which, part, low, f_low, high, f_high, time, h, y, dense, p, mode):
     """A root in [low, high] with f(low) >= 0 > f(high), by the Illinois variant of false position.
 
     If f(low) < 0 < f(high), both signs are reversed. Every third iteration bisects; the root stays
@@ -149,7 +149,7 @@ def _all_met(events, which, starting, low, before, high, after, time, h, y, dens
         if g_high > 0.0:
             if g_low > 0.0 or part == starting:
                 return NO_EVENT
-            theta = _root(events, which, part, low, g_low, high, g_high, time, h, y, dense, p, mode)
+            theta = _zero(events, which, part, low, g_low, high, g_high, time, h, y, dense, p, mode)
             last = min(last, theta)
         elif g_low > 0.0 or part == starting:
             left, right = low, high
@@ -157,7 +157,7 @@ def _all_met(events, which, starting, low, before, high, after, time, h, y, dens
                 left, g_low, right, g_high = _after_start(
                     events, which, part, right, g_high, time, h, y, dense, p, mode
                 )
-            theta = _root(
+            theta = _zero(
                 events, which, part, left, g_low, right, g_high, time, h, y, dense, p, mode
             )
             first = max(first, theta)
@@ -202,7 +202,7 @@ def _down_crossing(events, i, which, time, h, y, dense, p, mode, samples):
             low, f_low, high, f_high = _after_start(
                 events, which, WHOLE, high, f_high, time, h, y, dense, p, mode
             )
-        return _root(events, which, WHOLE, low, f_low, high, f_high, time, h, y, dense, p, mode)
+        return _zero(events, which, WHOLE, low, f_low, high, f_high, time, h, y, dense, p, mode)
     turning = events.count + which
     if which < events.combined and samples[i - 1, turning] != samples[i, turning]:
         return _brief_crossing(events, which, f_low, low, high, time, h, y, dense, p, mode)
@@ -215,7 +215,7 @@ def _down_crossing(events, i, which, time, h, y, dense, p, mode, samples):
     if theta == NO_EVENT or f_low <= 0.0:
         return theta
     f = _value(events, which, WHOLE, theta, time, h, y, dense, p, mode)
-    return _root(events, which, WHOLE, low, f_low, theta, f, time, h, y, dense, p, mode)
+    return _zero(events, which, WHOLE, low, f_low, theta, f, time, h, y, dense, p, mode)
 
 
 @kernel

@@ -108,7 +108,7 @@ def study_model(
     ``maps`` are the datasets of MAPS.
     """
     presets = {name: _figure(study, name) for name in sorted((*HISTORIES, *CURVES, *MAPS))}
-    for name, case in study.hard_cases.cases.items():
+    for name, case in study.precision.hard.cases.items():
         values = study.baseline.replace(**case.at).given()
         presets[f"case_{name}"] = {"group": "Hard cases", "title": case.title, "values": values}
     return {

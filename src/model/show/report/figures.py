@@ -14,10 +14,8 @@ from model.show.report.section import (
     Table,
     assignments,
     link,
-    subscripts,
     values_of,
 )
-from model.show.schematics import CAPTIONS
 from model.show.style import Bools, Floats, flagged
 from model.show.words import figure_number, figure_title, percent, power, short
 from model.study.config.figures import COMPUTED, MAPS
@@ -121,7 +119,6 @@ def article(results: Results, name: str) -> dict[str, object]:
         "name": name,
         "number": figure_number(name),
         "title": spec.title,
-        "explained": subscripts(CAPTIONS.get(name, "")),
         "picture": results.picture(
             f"figures/{name}", caption, f"Figure {figure_number(name)}: {spec.title}. {caption}"
         ),

@@ -24,8 +24,9 @@ VIBRATION_CAPTION = (
     "the part rests on the edge if it is pressed slowly."
 )
 CLAIMS_CAPTION = (
-    "Runs made for the claims alone. Where the duration is shown, a curve has a gap where the part "
-    "does not align; where another quantity is shown, a cross marks runs that align."
+    "Runs made for the claims alone. Where the duration is shown, a curve ends where the part does "
+    "not align and where the duration jumps; where another quantity is shown, a stroke marks runs "
+    "that align."
 )
 SIGNS: Mapping[str, str] = dict(zip(VERDICTS, ("✓", "±", "✗", "–"), strict=True))
 _FOLDER = Path(__file__).parent

@@ -6,6 +6,4 @@ the tilt, which at the start is far too small to see, and in Fig. 4 the depths d
 
 from model.show.schematics import fig01, fig02, fig03, fig04
 
-_FIGURES = {"fig01": fig01, "fig02": fig02, "fig03": fig03, "fig04": fig04}
-DRAWINGS = {name: module.draw for name, module in _FIGURES.items()}
-CAPTIONS = {name: module.CAPTION for name, module in _FIGURES.items()}
+DRAWINGS = {"fig01": fig01.draw, "fig02": fig02.draw, "fig03": fig03.draw, "fig04": fig04.draw}

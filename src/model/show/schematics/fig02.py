@@ -1,117 +1,93 @@
 """Fig. 2: dynamic model: the part on its suspension, the excited upper support, the base."""
 
-from math import asin
+from math import asin, pi
+from typing import Any
 
+import numpy as np
 from matplotlib.figure import Figure
 
 from model.physics.parameters import Parameters
 from model.show import style
-from model.show.schematics.pose import Pose, resting_pose, towards, xy
-from model.show.schematics.sheet import (
-    EXCITATION,
-    FORCE,
-    OUTLINE,
-    SUSPENSION,
-    Sheet,
-    centimetre,
-    new_sheet,
+from model.show.schematics.pose import towards, xy
+from model.show.schematics.sheet import Scheme, new_scheme
+
+# The suspension: where it holds the part (half-widths, half-heights); its other end, on the left
+# leg of the platform (-1), its right leg (1) or its plate (0); its symbol, and how far (cm) that is
+# from the middle, or for H_Y from the plate.
+_LINKS = (
+    (-1.0, 0.88, -1, "K_{X_1}", (0.0, 0.4)),
+    (1.0, 0.88, 1, "K_{X_2}", (0.0, 0.4)),
+    (-1.0, 0.36, -1, "K_{X_3}", (0.0, 0.4)),
+    (1.0, 0.36, 1, "K_{X_4}", (0.0, 0.4)),
+    (-1.0, 0.62, -1, "H_X", (0.0, 0.4)),
+    (-0.9, 1.0, 0, "K_{Y_1}", (-0.5, 0.0)),
+    (0.0, 1.0, 0, "H_Y", (0.31, -0.35)),  # by its rod, where there is room between the springs
+    (0.9, 1.0, 0, "K_{Y_2}", (0.5, 0.0)),
 )
 
-CAPTION = (
-    "Dynamic model: a part on springs and dampers, pressed on a base with a slot by F0 "
-    "and excited through its upper support by Y sin ωt. K_X = K_X1 + … + K_X4, "
-    "K_Y = K_Y1 + K_Y2. Part and slot are to scale; the tilt is enlarged."
-)
 
-
+@style.context()
 def draw(parameters: Parameters) -> Figure:
     """Draw the part on its suspension."""
-    pose = resting_pose(parameters)
-    with style.context():
-        cm = centimetre(pose, 7.0)
-        plate = pose.top / cm + 1.7
-        figure, sheet = new_sheet(cm, -8.0, -2.5, plate + 4.1)
-        sheet.base(pose, reach=5.2, depth=1.8)
-        sheet.part(pose)
-        left, right = _draw_support(sheet, pose, plate * cm)
-        _draw_lateral_suspension(sheet, pose, left, right)
-        _draw_axial_suspension(sheet, pose, plate * cm)
-        _draw_tilt_suspension(sheet, pose, right)
-        sheet.frame(pose.constants.half_width + 5.6 * cm, 1.5 * cm)
-        _mark_coordinates(sheet, pose)
-    return figure
+    sheet = new_scheme(parameters, 7.0, -8.0, -2.5, above=3.3)
+    sheet.base(reach=5.2, depth=1.8)
+    sheet.part()
+    _draw_support(sheet)
+    sheet.frame(sheet.a + 5.6 * sheet.cm, 1.5 * sheet.cm)
+    _mark_coordinates(sheet)
+    return sheet.figure
 
 
-def _draw_support(sheet: Sheet, pose: Pose, plate: float) -> tuple[float, float]:
-    """Draw the vibrator's platform astride the part; return the inner faces of its two legs."""
-    cm, middle = sheet.cm, float(pose.at(0, 0.6 * pose.constants.half_height)[0])
-    half, thick, foot = pose.constants.half_width + 2.5 * cm, 0.32 * cm, pose.y + 0.2 * cm
-    inner, outer = (middle - half, middle + half), (middle - half - thick, middle + half + thick)
-    high = plate + thick
-    outline = [(outer[0], foot), (outer[0], high), (outer[1], high), (outer[1], foot)]
-    outline += [(inner[1], foot), (inner[1], plate), (inner[0], plate), (inner[0], foot)]
-    sheet.area(outline, "#E4E4E4")
-    shake = xy(middle, high + 0.12 * cm)
-    sheet.arrow(shake, shake + xy(0, 0.95 * cm), heads="<|-|>", width=FORCE, color=EXCITATION)
+def _draw_support(sheet: Scheme) -> None:
+    """Draw the vibrator's platform astride the part, and the suspension between them."""
+    cm, plate = sheet.cm, (sheet.top - 1.6) * sheet.cm
+    middle, half = float(sheet.at(0, 0.6)[0]), sheet.a + 2.5 * cm
+    foot, thick = sheet.pose.y + 0.2 * cm, 0.32 * cm
+    outside, inside = (
+        [(middle - wide, foot), (middle - wide, high), (middle + wide, high), (middle + wide, foot)]
+        for wide, high in ((half + thick, plate + thick), (half, plate))
+    )
+    sheet.area([*outside, *inside[::-1]], Scheme.DEVICE)
+    shake = xy(middle, plate + thick + 0.12 * cm)
+    look: dict[str, Any] = {"ha": "left", "heads": "<|-|>", "color": Scheme.EXCITATION}
     words = r"$Y(t) = Y\,\sin\,\omega t$"
-    sheet.text(shake + xy(0, 0.5 * cm), words, (0.25, 0), ha="left", color=EXCITATION)
-    return inner
-
-
-def _draw_lateral_suspension(sheet: Sheet, pose: Pose, left: float, right: float) -> None:
-    a, b = pose.constants.half_width, pose.constants.half_height
-    for level, face, leg, words in (
-        (0.88, -a, left, "$K_{X_1}$"),
-        (0.88, a, right, "$K_{X_2}$"),
-        (0.36, -a, left, "$K_{X_3}$"),
-        (0.36, a, right, "$K_{X_4}$"),
-        (0.62, -a, left, "$H_X$"),
-    ):
-        hold = pose.at(face, level * b)
-        if words == "$H_X$":
-            sheet.damper((leg, hold[1]), hold)
+    sheet.arrow(shake, shake + xy(0, 0.95 * cm), words, (0.25, -0.45), **look)
+    for face, axis, leg, symbol, shift in _LINKS:
+        hold = sheet.at(face, axis)
+        start = xy(middle + leg * half, hold[1]) if leg else xy(hold[0], plate)
+        if symbol.startswith("H"):
+            sheet.damper(start, hold)
         else:
-            sheet.spring((leg, hold[1]), hold, coils=6)
-        sheet.text(((leg + hold[0]) / 2, hold[1]), words, (0, 0.4), color=SUSPENSION)
-        sheet.dot(hold, 2.5, color=SUSPENSION)
+            sheet.spring(start, hold, coils=6 if leg else 5)
+        named = start if symbol == "H_Y" else (start + hold) / 2
+        sheet.text(named, f"${symbol}$", shift, color=Scheme.SUSPENSION)
+        sheet.point(hold, size=2.5, color=Scheme.SUSPENSION)
+    _draw_tilt_suspension(sheet, middle + half)
 
 
-def _draw_axial_suspension(sheet: Sheet, pose: Pose, plate: float) -> None:
-    a, b = pose.constants.half_width, pose.constants.half_height
-    for place, words, shift in ((-0.9, "K_{Y_1}", -0.5), (0.0, "H_Y", 0.31), (0.9, "K_{Y_2}", 0.5)):
-        hold = pose.at(place * a, b)
-        link = sheet.damper if place == 0.0 else sheet.spring
-        link((hold[0], plate), hold)
-        # The damper's symbol is by its rod, where there is room between the springs.
-        level = plate - 0.35 * sheet.cm if place == 0.0 else (plate + hold[1]) / 2
-        sheet.text((hold[0], level), f"${words}$", (shift, 0), color=SUSPENSION)
-        sheet.dot(hold, 2.5, color=SUSPENSION)
+def _draw_tilt_suspension(sheet: Scheme, leg: float) -> None:
+    """Draw spiral spring and bent dashpot about C, both held by a bracket on the leg at x."""
+    cm, centre = sheet.cm, sheet.pose.centre
+    angles = asin(0.36 / 0.58) + np.linspace(-3.5 * pi, 0.0, 181)
+    spiral = centre + cm * np.linspace(0.05, 0.58, 181)[:, None] * towards(angles)
+    sheet.line(*spiral, width=1.0, color=Scheme.SUSPENSION)
+    held, loose = (centre + 0.85 * cm * towards(asin(0.36 / 0.85) + turn) for turn in (0.0, 1.75))
+    sheet.damper(held, loose, about=centre)
+    sheet.point(loose, size=2.5, color=Scheme.SUSPENSION)
+    end = spiral[-1]
+    sheet.line(end, (leg, end[1]), width=Scheme.OUTLINE, zorder=4)
+    middle = (leg + float(sheet.at(1, 0)[0])) / 2
+    sheet.text((middle, end[1]), r"$K_\varphi,\ H_\varphi$", (0, -0.33), color=Scheme.SUSPENSION)
 
 
-def _draw_tilt_suspension(sheet: Sheet, pose: Pose, leg: float) -> None:
-    """Draw spiral spring and bent dashpot about C, both held by a bracket on the support."""
-    bracket, outer = 0.36 * sheet.cm, 0.85 * sheet.cm
-    end = sheet.spiral(pose.centre, (0.05, 0.58), asin(0.36 / 0.58))
-    grip = asin(bracket / outer)
-    loose = grip + 1.75
-    sheet.bent_damper(pose.centre, outer, grip, loose)
-    sheet.dot(pose.centre + outer * towards(loose), 2.5, color=SUSPENSION)
-    sheet.line(end, (leg, end[1]), width=OUTLINE, zorder=4)
-    middle = ((leg + pose.at(pose.constants.half_width, 0)[0]) / 2, end[1])
-    sheet.text(middle, r"$K_\varphi,\ H_\varphi$", (0, -0.33), color=SUSPENSION)
-
-
-def _mark_coordinates(sheet: Sheet, pose: Pose) -> None:
+def _mark_coordinates(sheet: Scheme) -> None:
     """Mark C with X_C and Y_C, the press force, and φ between the bottom face and the base."""
-    cm, low = sheet.cm, -1.25 * sheet.cm
-    sheet.point(pose.centre, "$C$", (-0.5, -0.55))
-    sheet.line(pose.centre, (pose.x, low - 0.15 * cm))
-    sheet.line((0, -0.5 * cm), (0, low - 0.15 * cm))
-    sheet.dimension((0, low), (pose.x, low), "$X_C$", (0.42, -0.25), outside=True)
-    far = -pose.constants.half_width - 1.7 * cm
-    sheet.line(pose.centre, (far - 0.15 * cm, pose.y))
-    sheet.dimension((far, 0), (far, pose.y), "$Y_C$")
-    press = pose.centre - xy(0, 1.5 * cm)
-    sheet.vector(pose.centre, press, "$F_0$", (0.18, 0.25), ha="left")
-    sheet.text(pose.at(0, 0.62 * pose.constants.half_height), "$M,\\ I$")
-    sheet.tilt_of_face(pose, reach=2.6)
+    cm, centre = sheet.cm, sheet.pose.centre
+    low, far = -1.25 * cm, -sheet.a - 1.7 * cm
+    sheet.point(centre, "$C$", (-0.5, -0.55))
+    ends, feet = ((centre[0], low), (0, low)), (centre, (0, -0.5 * cm))
+    sheet.dimension(*ends, "$X_C$", (0.42, -0.25), feet=feet, outside=True)
+    sheet.dimension((far, centre[1]), (far, 0), "$Y_C$", feet=[centre])
+    sheet.arrow(centre, centre - xy(0, 1.5 * cm), "$F_0$", (0.18, 0.25), ha="left")
+    sheet.text(sheet.at(0, 0.62), "$M,\\ I$")
+    sheet.tilt_of_face(reach=2.6)

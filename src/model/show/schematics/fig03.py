@@ -8,140 +8,100 @@ from matplotlib.figure import Figure
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 from model.physics.parameters import Parameters
 from model.show import style
-from model.show.schematics.pose import Pose, resting_pose, towards, xy
-from model.show.schematics.sheet import (
-    BASE_COLOUR,
-    CONTACT,
-    FORCE,
-    INERTIA,
-    PART_COLOUR,
-    SUSPENSION,
-    THIN,
-    Sheet,
-    centimetre,
-    new_sheet,
-)
+from model.show.schematics.pose import towards, xy
+from model.show.schematics.sheet import Scheme, new_scheme
 
-CAPTION = (
-    "Forces and moments on the part in contact with the base, reduced to the mass centre "
-    "C; each symbol counts along its arrow. The edge A1 pushes along e_n and, while the part "
-    "slides towards the slot, drags it along +e_t, away from the slot (the consistent reading). "
-    "The tilt is enlarged."
-)
+_PUSHED = "$N$ along $e_n$\n$\\mu N$ along $+e_t$, while\nthe part slides to the slot"
+_INERTIA = r"$M X_C^{\prime\prime},\ \ M Y_C^{\prime\prime},\ \ I \varphi^{\prime\prime}$"
+_ELASTIC = "$F_x = R_X$\n$F_y = R_Y + F_1\\,\\sin\\,\\omega t$\n$T_\\varphi$"
 _FORCES = (
-    (SUSPENSION, "suspension", "$F_x = R_X$\n$F_y = R_Y + F_1\\,\\sin\\,\\omega t$\n$T_\\varphi$"),
+    (Scheme.SUSPENSION, "suspension", _ELASTIC),
     (style.BLACK, "gravity, press force", "$Mg = F_0$"),
-    (
-        INERTIA,
-        "inertia (d'Alembert)",
-        "$M X_C^{\\prime\\prime},\\ \\ M Y_C^{\\prime\\prime},\\ \\ I \\varphi^{\\prime\\prime}$",
-    ),
-    (
-        CONTACT,
-        "contact with the edge $A_1$",
-        "$N$ along $e_n$\n$\\mu N$ along $+e_t$, while\nthe part slides to the slot",
-    ),
+    (Scheme.INERTIA, "inertia (d'Alembert)", _INERTIA),
+    (Scheme.CONTACT, "contact with the edge $A_1$", _PUSHED),
 )
 
 
+@style.context()
 def draw(parameters: Parameters) -> Figure:
     """Draw the part with its forces and moments."""
-    pose = resting_pose(parameters)
-    with style.context():
-        cm = centimetre(pose, 7.2)
-        top = max(pose.top / cm + 1.5, 8.2)
-        figure, sheet = new_sheet(cm, -5.4, -2.6, top + 2.6)
-        sheet.base(pose, reach=3.2, depth=1.7)
-        sheet.part(pose)
-        _draw_directions(sheet, pose)
-        _draw_forces_at_centre(sheet, pose)
-        _draw_moments(sheet, pose)
-        _draw_contact_forces(sheet, pose)
-        _mark_arms(sheet, pose)
-        _mark_tilt(sheet, pose)
-        _explain_forces(sheet, top)
-    return figure
+    sheet = new_scheme(parameters, 7.2, -5.4, -2.6, above=1.5, least=8.2)
+    sheet.base(reach=3.2, depth=1.7)
+    sheet.part()
+    _draw_directions(sheet)
+    _draw_forces(sheet)
+    _mark_arms_and_tilt(sheet)
+    _explain_forces(sheet)
+    return sheet.figure
 
 
-def _draw_directions(sheet: Sheet, pose: Pose) -> None:
+def _draw_directions(sheet: Scheme) -> None:
     """Draw X and Y of the base, e_t and e_n of the part, away from the forces."""
-    length = 1.2 * sheet.cm
-    root = xy(-pose.constants.half_width - 3.0 * sheet.cm, 0.7 * sheet.cm)
+    root = xy(-sheet.a - 3.0 * sheet.cm, 0.7 * sheet.cm)
+    along_face, along_axis = sheet.pose.axes
     for direction, words, shift, colour in (
         (xy(1, 0), "$X$", (0.15, -0.18), style.BLACK),
         (xy(0, 1), "$Y$", (0.2, 0.15), style.BLACK),
-        (pose.along_face, "$e_t$", (0.1, 0.27), style.GREY),
-        (pose.along_axis, "$e_n$", (-0.22, 0.18), style.GREY),
+        (along_face, "$e_t$", (0.1, 0.27), style.GREY),
+        (along_axis, "$e_n$", (-0.22, 0.18), style.GREY),
     ):
-        sheet.vector(root, root + length * direction, words, shift, width=THIN, color=colour)
+        head = root + 1.2 * sheet.cm * direction
+        sheet.arrow(root, head, words, shift, width=Scheme.THIN, color=colour)
 
 
-def _draw_forces_at_centre(sheet: Sheet, pose: Pose) -> None:
-    """Draw elastic forces up to C, the weight from there, and inertia on the same line."""
-    cm, c = sheet.cm, pose.centre
-    side = pose.constants.half_width + 1.9 * cm
-    right, left = c + xy(side, 0), c - xy(side, 0)
-    up, down = c + xy(0, 2.1 * cm), c - xy(0, 1.3 * cm)
-    lower = down - xy(0, 1.0 * cm)
-    beside: dict[str, Any] = {"ha": "left", "on": PART_COLOUR}
-    sheet.vector(right, c, "$F_x$", (-0.2, 0.28), at=right, color=SUSPENSION)
-    sheet.vector(up, c, "$F_y$", (0.3, -0.2), at=up, color=SUSPENSION)
-    sheet.vector(c, down, "$Mg$", (0.17, 0.4), **beside)
-    sheet.vector(c, left, r"$M X_C^{\prime\prime}$", (0.35, 0.32), color=INERTIA)
-    sheet.vector(down, lower, r"$M Y_C^{\prime\prime}$", (0.17, 0.4), color=INERTIA, **beside)
+def _draw_forces(sheet: Scheme) -> None:
+    """Draw forces and moments at C, and the force and friction of the edge A1.
+
+    Elastic forces end at C, the weight begins there, and inertia is on the same lines. Moments are
+    drawn clockwise: they resist φ, which counts counter-clockwise.
+    """
+    cm, c, edge = sheet.cm, sheet.pose.centre, sheet.pose.edge(RIGHT_EDGE)
+    side, up, (e_t, e_n) = xy(sheet.a + 1.9 * cm, 0), xy(0, cm), sheet.pose.axes
+    weight, drag = c - 1.3 * up, (sheet.a + 0.9 * cm) * e_t
+    inward: dict[str, Any] = {"heads": "<|-"}  # its name is by its tail
+    inside: dict[str, Any] = {"ha": "left", "on": Scheme.PART}
+    below: dict[str, Any] = {**inward, "on": Scheme.BASE, "zorder": 7}
+    for start, stop, words, shift, colour, look in (
+        (c, c + side, "$F_x$", (-0.2, 0.28), Scheme.SUSPENSION, inward),
+        (c, c + 2.1 * up, "$F_y$", (0.3, -0.2), Scheme.SUSPENSION, inward),
+        (c, weight, "$Mg$", (0.17, 0.4), style.BLACK, inside),
+        (c, c - side, r"$M X_C^{\prime\prime}$", (0.35, 0.32), Scheme.INERTIA, {}),
+        (weight, weight - up, r"$M Y_C^{\prime\prime}$", (0.17, 0.4), Scheme.INERTIA, inside),
+        (edge, edge - 1.5 * cm * e_n, "$N$", (0.35, 0.12), Scheme.CONTACT, below),
+        (edge, edge + drag, r"$\mu N$", (0.05, 0.3), Scheme.CONTACT, {"zorder": 7}),
+    ):
+        sheet.arrow(start, stop, words, shift, color=colour, **look)
+    radius = sheet.a + 0.75 * cm
+    for first, last, words, colour in (
+        (1.15, 0.2, r"$T_\varphi$", Scheme.SUSPENSION),
+        (pi - 0.2, pi - 1.15, r"$I\varphi^{\prime\prime}$", Scheme.INERTIA),
+    ):
+        sheet.arc(c, radius, first, last, width=Scheme.FORCE, color=colour)
+        away = (radius + 0.45 * cm) * towards((first + last) / 2)
+        sheet.text(c + away, words, color=colour)
     sheet.point(c, "$C$", (-0.25, -0.28))
-
-
-def _draw_moments(sheet: Sheet, pose: Pose) -> None:
-    """Draw the moments clockwise: they resist φ, which counts counter-clockwise."""
-    radius = pose.constants.half_width + 0.75 * sheet.cm
-    for start, stop, words, colour in (
-        (1.15, 0.2, r"$T_\varphi$", SUSPENSION),
-        (pi - 0.2, pi - 1.15, r"$I\varphi^{\prime\prime}$", INERTIA),
-    ):
-        sheet.arc(pose.centre, radius, start, stop, width=FORCE, color=colour)
-        middle, away = (start + stop) / 2, radius + 0.45 * sheet.cm
-        sheet.text(pose.centre + away * towards(middle), words, color=colour)
-
-
-def _draw_contact_forces(sheet: Sheet, pose: Pose) -> None:
-    """Draw the force of the edge along e_n, and its friction along e_t."""
-    cm, edge = sheet.cm, pose.edge(RIGHT_EDGE)
-    tail = edge - 1.5 * cm * pose.along_axis
-    contact: dict[str, Any] = {"color": CONTACT, "zorder": 7}
-    sheet.vector(tail, edge, "$N$", (0.35, 0.12), at=tail, **contact, on=BASE_COLOUR)
-    drag = edge + (pose.constants.half_width + 0.9 * cm) * pose.along_face
-    sheet.vector(edge, drag, r"$\mu N$", (0.05, 0.3), **contact)
     sheet.point(edge, "$A_1$", (-0.3, -0.35), zorder=8)
-    sheet.point(pose.edge(LEFT_EDGE), "$A_2$", (-0.3, 0.28))
+    sheet.point(sheet.pose.edge(LEFT_EDGE), "$A_2$", (-0.3, 0.28))
 
 
-def _mark_arms(sheet: Sheet, pose: Pose) -> None:
-    """Mark the arms of the contact forces about C: Q along the bottom face, B along the axis."""
-    cm, b = sheet.cm, pose.constants.half_height
-    q = pose.edge_place(RIGHT_EDGE).along_face
-    far, above = -0.74 * pose.constants.half_width, -b + 0.75 * cm
-    sheet.line(pose.centre, pose.at(far - 0.15 * cm, 0))
-    sheet.dimension(pose.at(far, -b), pose.at(far, 0), "$B$", on=PART_COLOUR)
-    sheet.chain(pose.centre, pose.at(0, -b))
-    sheet.line(pose.edge(RIGHT_EDGE), pose.at(q, above + 0.15 * cm))
-    sheet.dimension(pose.at(0, above), pose.at(q, above), "$Q$", (0, 0.25), outside=True)
+def _mark_arms_and_tilt(sheet: Scheme) -> None:
+    """Mark the arms about C, Q along the bottom face and B along the axis, and φ over the top."""
+    c, edge, b = sheet.pose.centre, sheet.pose.edge(RIGHT_EDGE), sheet.b
+    place = sheet.pose.edge_place(RIGHT_EDGE).along_face / sheet.a
+    sheet.dimension(sheet.at(-0.74, 0), sheet.at(-0.74, -1), "$B$", feet=[c], on=Scheme.PART)
+    sheet.chain(c, sheet.at(0, -1))
+    arm = sheet.at(place, -1, 0, 0.75), sheet.at(0, -1, 0, 0.75)
+    sheet.dimension(*arm, "$Q$", (0, 0.25), feet=[edge], outside=True)
+    sheet.chain(c, sheet.at(0, 1, 0, 1.3))
+    sheet.chain(c, c + xy(0, b + 1.3 * sheet.cm))
+    sheet.tilt(c, b + 0.8 * sheet.cm, pi / 2, 0.3)
 
 
-def _mark_tilt(sheet: Sheet, pose: Pose) -> None:
-    """Mark φ between the vertical through C and the axis of the part, over its top."""
-    reach = pose.constants.half_height + 0.8 * sheet.cm
-    end = reach + 0.5 * sheet.cm
-    sheet.chain(pose.centre, pose.at(0, end))
-    sheet.chain(pose.centre, pose.centre + xy(0, end))
-    sheet.tilt(pose, pose.centre, reach, pi / 2, 0.3)
-
-
-def _explain_forces(sheet: Sheet, top: float) -> None:
-    x, y = 5.4 * sheet.cm, (top - 1.0) * sheet.cm
+def _explain_forces(sheet: Scheme) -> None:
+    place = sheet.cm * xy(5.4, sheet.top - 1.0)
     for colour, title, symbols in _FORCES:
-        sheet.text((x, y), title, ha="left", va="top", color=colour, fontweight="bold")
-        sheet.text((x, y), symbols, (0.0, -0.5), ha="left", va="top", linespacing=1.5)
-        y -= (1.35 + 0.52 * symbols.count("\n")) * sheet.cm
+        sheet.text(place, title, ha="left", va="top", color=colour, fontweight="bold")
+        sheet.text(place, symbols, (0.0, -0.5), ha="left", va="top", linespacing=1.5)
+        place -= xy(0, (1.35 + 0.52 * symbols.count("\n")) * sheet.cm)
     words = "Each symbol counts along\nits arrow; eqs (1) balance them."
-    sheet.text((x, y), words, ha="left", va="top", fontsize=8, color=style.GREY)
+    sheet.text(place, words, ha="left", va="top", fontsize=8, color=style.GREY)

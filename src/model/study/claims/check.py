@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 from model.physics.parameters import FIELDS
-from model.study.claims.data import Column, MissingDataError, Rows, Tables
+from model.study.claims.data import MissingDataError, Rows, Tables
 from model.study.claims.measures import MEASURES
-from model.study.claims.statistics import NAN, median, ratio
+from model.study.claims.statistics import NAN
 
 Parts = Mapping[str, float]
 
@@ -26,22 +26,16 @@ def _largest(parts: Parts) -> Parts:
     return {f"at most, for {best}": known[best]} if known else {"": NAN}
 
 
-def _of_known(number: Callable[[Column], float], least: int = 1) -> Callable[[Parts], Parts]:
-    """Return a function that computes one number of at least so many known ones."""
-
-    def combined(parts: Parts) -> Parts:
-        known = np.array([value for value in parts.values() if not math.isnan(value)])
-        return {"": float(number(known)) if known.size >= least else NAN}
-
-    return combined
+def _one_way(parts: Parts) -> Parts:
+    """Return the least of the numbers, or of their negatives if that is more; NaN if any is."""
+    numbers = [*parts.values()]
+    return {"": NAN if any(map(math.isnan, numbers)) else max(min(numbers), -max(numbers))}
 
 
 _COMBINED: Mapping[str, Callable[[Parts], Parts]] = {
     "": lambda parts: parts,
     "largest": _largest,
-    "median": _of_known(median),
-    "difference": _of_known(np.ptp, 2),
-    "relative difference": _of_known(lambda of: ratio(np.ptp(of), abs(of.mean())), 2),
+    "one way": _one_way,
 }
 
 
@@ -59,8 +53,8 @@ class Check:
         parts: arguments that differ between further parts of the claim, by the part's name.
         together: True if its figures are compared: they are read as one table, with the place of a
             figure among them in the column ``figure``. Otherwise each that has a dataset is a part.
-        combine: "largest", "median", "difference" or "relative difference" of the numbers of all
-            parts, where the claim is of that; else "".
+        combine: "largest" of the numbers of all parts, or "one way", the least if all have one
+            sign; else "", where each part must meet the limit.
     """
 
     number: Callable[..., float]
@@ -96,7 +90,7 @@ class Check:
             return {"": tuple(figures)}
         if not any(name in tables.frames for name in figures):
             raise MissingDataError(f"there is no dataset of {', '.join(figures)}")
-        return {f"Fig. {int(name[3:])}": (name,) for name in figures if name in tables.frames}
+        return {_words(name): (name,) for name in figures if name in tables.frames}
 
     def _number(
         self, tables: Tables, names: tuple[str, ...], rows: Rows, arguments: Mapping[str, Any]
@@ -110,6 +104,11 @@ class Check:
             name: tables.column(names, value)[rows] if isinstance(value, str) else value
             for name, value in arguments.items()
         })  # fmt: skip
+
+
+def _words(name: str) -> str:
+    """Return "Fig. 6" for "fig06", and "by frequency" for the run "by_frequency"."""
+    return f"Fig. {int(name[3:])}" if name.startswith("fig") else name.replace("_", " ")
 
 
 def _symbol(column: str) -> str:

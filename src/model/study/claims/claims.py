@@ -70,6 +70,7 @@ class Claim:
         measure: the number in words.
         limit: the demand on the number.
         check: the number; None if nothing can be measured.
+        reading: how the words are read, and why so; "" where they leave no choice.
     """
 
     id: str
@@ -80,11 +81,14 @@ class Claim:
     measure: str
     limit: Limit
     check: Check | None
+    reading: str = ""
 
     @property
     def compares(self) -> bool:
-        """True if its figures are compared, so that it says nothing of one of them alone."""
-        return self.check is not None and self.check.together
+        """True if it says nothing of one of its figures alone: they are compared, or combined."""
+        if self.check is None:
+            return False
+        return self.check.together or (self.check.combine != "" and len(self.figures) > 1)
 
 
 # --- The table ----------------------------------------------------------------------------------
@@ -118,14 +122,16 @@ def _demanded(must: str | Mapping[str, Any], named: Mapping[str, Limit]) -> Limi
 def _claim(name: str, stated: dict[str, Any], named: Mapping[str, Limit]) -> Claim:
     (kind,) = set(_KINDS) & set(stated)
     said = (name, stated.pop(kind), _KINDS[kind], stated.pop("statement"))
+    reading = stated.pop("read", "")
     if "unmeasured" in stated:
         limit = Limit(math.nan, True, 1.0, stated.pop("unmeasured"))
-        claim = Claim(*said, (), "", limit, None)
+        claim = Claim(*said, (), "", limit, None, reading)
     else:
         check = dict(stated.pop("check"))
         figures, limit = check.pop("figures"), _demanded(check.pop("must"), named)
         figures = EVERY_FIGURE if figures == "every figure" else tuple(figures)
-        claim = Claim(*said, figures, stated.pop("measure"), limit, check_of(check))
+        measure = stated.pop("measure")
+        claim = Claim(*said, figures, measure, limit, check_of(check), reading)
     if stated:
         raise ValueError(f"unknown {', '.join(stated)}")
     return claim

@@ -7,6 +7,8 @@ device: number of the device, from 0: a table may hold the runs of several.
 row: value of the first dimension, by which rows of a map and curves differ; 0 in a history.
 curve: the same in a dataset of curves; 0 in others.
 aligned, settled: flags, from the outcome.
+stays, goes_in: flags of parts that align, and do not climb out of the slot again, or go in to the
+    depth of insertion: from the outcome in the insertion scene, where a dataset has it.
 tau: alignment time, NaN for a part that does not align.
 
 A sensitive run ends differently at another tolerance. Its row is there, but no claim depends on it.
@@ -20,13 +22,14 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from model.events.outcomes import Outcome
+from model.events.outcomes import InsertionOutcome, Outcome
 
 if TYPE_CHECKING:
     import xarray as xr
 
 Column = NDArray[Any]
 Rows = NDArray[np.intp]
+_NOT_STAYING = (InsertionOutcome.CLIMBED_OUT, InsertionOutcome.FAILED)
 
 
 class MissingDataError(LookupError):
@@ -64,6 +67,9 @@ def with_columns(frame: pd.DataFrame, kind: str, first: str | None) -> pd.DataFr
         "settled": frame["outcome"] == Outcome.SETTLED,
         "tau": frame["tau_align"].where(aligned),
     }
+    if "insertion" in frame:
+        derived["goes_in"] = aligned & (frame["insertion"] == InsertionOutcome.INSERTED)
+        derived["stays"] = aligned & ~frame["insertion"].isin(_NOT_STAYING)
     return frame.assign(**derived)
 
 

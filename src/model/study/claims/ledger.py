@@ -87,6 +87,7 @@ class Line:
     margin: str
     seen: str
     reason: str
+    reading: str
     shown_by: str
 
     @property
@@ -110,6 +111,7 @@ def lines_of(judged: Iterable[tuple[Claim, Judgement]]) -> list[Line]:
             margin=_number(judgement.margin),
             seen=judgement.seen,
             reason=claim.limit.reason,
+            reading=claim.reading,
             shown_by=" ".join(claim.figures),
         )
         for claim, judgement in judged

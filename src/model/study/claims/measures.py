@@ -11,49 +11,52 @@ here, there: flags of two sets of rows.
 beside: flags of the rows with which the others are compared.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from inspect import isfunction
+from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import ndimage
 
-from model.study.claims.data import Column, MissingDataError
+from model.study.claims import areas
+from model.study.claims.data import MissingDataError
 from model.study.claims.statistics import (
     NAN,
     Array,
     Flags,
     asymmetry,
     explained,
+    lines,
     mean,
     median,
     quantile,
     ratio,
+    relative_slope,
     share,
     slope,
     spread,
     trend,
 )
 
-NO_WAY = 1e-12  # an excursion that is rounding
 _MOMENTS = 200  # at which a history is sampled
 
 # --- Of one curve, or of all rows -----------------------------------------------------------------
 
 
-def smaller_share(of: Flags) -> float:
-    """Return the share of the rows that are flagged, or that are not, whichever is smaller."""
-    return min(share(of), 1.0 - share(of))
-
-
-def strength_of_trend(of: Array, over: Array) -> float:
-    """Return the absolute value of the trend."""
-    return abs(trend(of, over))
+def share_ratio(of: Flags, here: Flags, there: Flags) -> float:
+    """Return the share that is flagged here over the share there."""
+    return ratio(share(of[here]), share(of[there]))
 
 
 def usual_ratio(of: Array, here: Flags, there: Flags) -> float:
     """Return the median here over the median there."""
     return ratio(median(of[here]), median(of[there]))
+
+
+def usual_beyond(of: Array, here: Flags, there: Flags) -> float:
+    """Return the median here over the value that 95 % there keep below."""
+    known = of[there & np.isfinite(of)]
+    return ratio(median(of[here]), quantile(known, 0.95)) if known.size else NAN
 
 
 def steeper_here(of: Array, over: Array, here: Flags, there: Flags) -> float:
@@ -74,27 +77,34 @@ def steeper_fall_at_first(of: Array, over: Array) -> float:
     return asymmetry(-slope(*first), -slope(*second))
 
 
+def bend(of: Array, over: Array) -> float:
+    """Return the absolute ``asymmetry`` of the slopes in the first and second half."""
+    return abs(steeper_fall_at_first(of, over))
+
+
 def longer_at_first(of: Array, over: Array) -> float:
-    """Return the mean of the first fifth of the first half over the median of the second half."""
-    (first, _), (second, _) = _halves(of, over)
-    return ratio(
-        float(first[: max(1, first.size // 5)].mean()) if first.size else NAN, median(second)
-    )
-
-
-def growth(of: Array) -> float:
-    """Return the last known value over the first, NaN with fewer than two."""
-    known = of[np.isfinite(of)]
-    return ratio(float(known[-1]), float(known[0])) if known.size > 1 else NAN
+    """Return the median of the first fifth of the first half over that of its last fifth."""
+    (half, _), _ = _halves(of, over)
+    fifth = max(1, half.size // 5)
+    return ratio(median(half[:fifth]), median(half[-fifth:]))
 
 
 def depth_of_minimum(of: Array) -> float:
-    """Return the rise from a minimum to the lower of its two flanks, over the minimum: the most."""
+    """Return the climb from the least value to the lower of its two sides, over the least value.
+
+    Values are the running median over a twentieth of the curve, so that no odd row is a minimum.
+    Of a climb no single step counts for more than half: a jump is no side of a minimum.
+    """
     known = of[np.isfinite(of)]
     if known.size < 3:
         return NAN
-    before, after = np.maximum.accumulate(known), np.maximum.accumulate(known[::-1])[::-1]
-    return float((np.minimum(before, after) / known).max() - 1.0)
+    smooth = ndimage.median_filter(known, 2 * (known.size // 40) + 1, mode="nearest")
+    least = int(np.argmin(smooth))
+    climbs = []
+    for side in (smooth[least::-1], smooth[least:]):
+        steps = np.diff(side[: np.argmax(side) + 1])
+        climbs.append(min(steps.sum(), 2.0 * (steps.sum() - steps.max(initial=0.0))))
+    return float(min(climbs) / smooth[least])
 
 
 def bump(of: Array, over: Array, begins: Flags, width: float) -> float:
@@ -121,13 +131,6 @@ def bump(of: Array, over: Array, begins: Flags, width: float) -> float:
     return float((size / y[i]).max())
 
 
-def place_of_least(of: Array, over: Array, times: float) -> float:
-    """Return the median place of the values that are at most ``times`` the least."""
-    if not np.isfinite(of).any():
-        return NAN
-    return quantile(over[of <= times * np.nanmin(of)], 0.5)
-
-
 def reach(of: Flags, over: Array) -> float:
     """Return the last place up to which every row is flagged, 0 if the first is not."""
     flagged = over[np.logical_and.accumulate(of)]
@@ -147,55 +150,68 @@ def explained_by_inverse(of: Array, over: Array) -> float:
 # --- Of several curves, or rows of a map ----------------------------------------------------------
 
 
-def _lines(by: Array, *columns: Column) -> Iterator[tuple[Column, ...]]:
-    """Return the columns of each curve or row, by rising value of ``by``."""
-    order = np.argsort(by, kind="stable")
-    ends = np.flatnonzero(np.diff(by[order])) + 1
-    return zip(*(np.split(column[order], ends) for column in columns), strict=True)
-
-
-def least_share(of: Flags, by: Array) -> float:
-    """Return the share of the rows that are flagged, of the curve where it is least."""
-    return min(share(flags) for (flags,) in _lines(by, of))
-
-
 def mean_trend(of: Array, over: Array, by: Array) -> float:
     """Return the mean of the trends of the curves."""
-    return mean([trend(*line) for line in _lines(by, of, over)])
+    return mean([trend(*line) for line in lines(by, of, over)])
 
 
 def mean_spread(of: Array, by: Array) -> float:
     """Return the mean of the spreads of the curves with at least two known points."""
-    return mean([spread(line) for (line,) in _lines(by, of) if np.isfinite(line).sum() > 1])
+    return mean([spread(line) for (line,) in lines(by, of) if np.isfinite(line).sum() > 1])
 
 
-def ratio_of_growths(of: Array, over: Array, by: Array) -> float:
-    """Return the largest growth of a curve over the least, up to the last place that all reach."""
-    curves = [each for each in _lines(by, of, over) if np.isfinite(each[0]).any()]
-    if len(curves) < 2:
-        return NAN
-    common = min(float(x[np.isfinite(y)].max()) for y, x in curves)
-    grown = np.array([growth(y[x <= common]) for y, x in curves])
-    known = grown[np.isfinite(grown)]
-    return float(known.max() / known.min()) if known.size > 1 else NAN
+def ratio_at_same(of: Array, by: Array, here: Flags, there: Flags) -> float:
+    """Return the median over ``by`` of the median here over the median there."""
+    return median(np.array([usual_ratio(*line) for line in lines(by, of, here, there)]))
+
+
+def slopes_apart(of: Array, over: Array, by: Array) -> float:
+    """Return the ``asymmetry`` of the largest and the least relative slope of the curves.
+
+    Slopes are taken up to the last place that all curves reach which have known points.
+    """
+    curves = [each for each in lines(by, of, over) if np.isfinite(each[0]).any()]
+    common = min((float(x[np.isfinite(y)].max()) for y, x in curves), default=NAN)
+    slopes = np.array([relative_slope(y[x <= common], x[x <= common]) for y, x in curves])
+    known = slopes[np.isfinite(slopes)]
+    return asymmetry(float(known.max()), float(known.min())) if known.size > 1 else NAN
 
 
 def relatively_steeper_here(of: Array, over: Array, by: Array, here: Flags, there: Flags) -> float:
-    """Return the ``asymmetry`` of the mean relative slopes of the curves here and there."""
+    """Return the ``asymmetry`` of the least relative slope of a curve here and the mean there."""
+    slopes, others = (
+        [relative_slope(*line) for line in lines(by[rows], of[rows], over[rows])]
+        for rows in (here, there)
+    )
+    return asymmetry(float(np.min(slopes)), mean(others))
 
-    def slope_in(rows: Flags) -> float:
-        curves = _lines(by[rows], of[rows], over[rows])
-        return mean([ratio(slope(y, x), median(y)) for y, x in curves])
 
-    return asymmetry(slope_in(here), slope_in(there))
+def trend_of_spread(of: Array, over: Array, by: Array) -> float:
+    """Return the trend over ``by`` of the spreads of curves, on the range that all reach."""
+    curves = [each for each in lines(by, of, over, by) if np.isfinite(each[0]).any()]
+    reached = [x[np.isfinite(y)][[0, -1]] for y, x, _ in curves]
+    low = max((float(first) for first, _ in reached), default=NAN)
+    high = min((float(last) for _, last in reached), default=NAN)
+    spreads = [spread(y[(low <= x) & (x <= high)]) for y, x, _ in curves]
+    return trend(np.array(spreads), np.array([at[0] for *_, at in curves])) if low < high else NAN
+
+
+def cost_of_others_best(of: Array, over: Array, by: Array, times: float) -> float:
+    """Return the least value at the best places of another curve, over the curve's own: the most.
+
+    The best places are those of at most ``times`` the least value. Infinite if the curve has no
+    known value there.
+    """
+    curves = [each for each in lines(by, of, over) if np.isfinite(each[0]).any()]
+    best = [x[y <= times * np.nanmin(y)] for y, x in curves]
+    costs = [
+        np.fmin.reduce(y[np.isin(x, places)], initial=np.inf) / np.nanmin(y)
+        for (y, x), places in product(curves, best)
+    ]
+    return float(max(costs)) if len(curves) > 1 else NAN
 
 
 # --- Beside other rows ----------------------------------------------------------------------------
-
-
-def share_beside(of: Flags, by: Array, beside: Flags) -> float:
-    """Return the share of the rows that are flagged, less the largest of the curves beside."""
-    return share(of[~beside]) - max(share(each) for (each,) in _lines(by[beside], of[beside]))
 
 
 def spread_beside(of: Array, over: Array, beside: Flags) -> float:
@@ -215,90 +231,32 @@ def farthest_beside(of: Array, beside: Flags) -> float:
     return ratio(_largest(of[~beside]), median(of[beside]))
 
 
-def decades_beside(of: Array, beside: Flags) -> float:
-    """Return the decades between the largest value and that beside; less than 1e-12 is none."""
-    here, there = (np.maximum(_largest(of[rows]), NO_WAY) for rows in (~beside, beside))
-    return float(np.log10(here / there))
-
-
 def distance_in_shape(of: Array, over: Array, by: Array, beside: Flags) -> float:
-    """Return the least distance in shape between a curve and one beside."""
-    curves, others = ([*_lines(by[rows], of[rows], over[rows])] for rows in (~beside, beside))
-    distances = [_apart(curve, other) for curve in curves for other in others]
+    """Return the least distance in shape between a curve and one beside.
+
+    Pairs that share less than half of the range of ``over`` are left out.
+    """
+    curves, others = ([*lines(by[rows], of[rows], over[rows])] for rows in (~beside, beside))
+    least = 0.5 * float(np.ptp(over[~beside])) if curves[0][0].size else NAN
+    distances = [_apart(curve, other, least) for curve in curves for other in others]
     return min((each for each in distances if each == each), default=NAN)  # noqa: PLR0124  (not NaN)
 
 
-def _apart(*curves: tuple[Array, ...]) -> float:
-    """Return the RMS difference of the logarithms of two curves, each minus its median."""
-    (y, x), (v, u) = ((of[np.isfinite(of)], over[np.isfinite(of)]) for of, over in curves)
-    if min(x.size, u.size) < 2 or (low := max(x[0], u[0])) >= (high := min(x[-1], u[-1])):
+def _apart(curve: tuple[Array, ...], other: tuple[Array, ...], least: float) -> float:
+    """Return the RMS difference of the logarithms of two curves, each minus its median.
+
+    NaN if they share less than ``least`` of the axis.
+    """
+    (y, x), (v, u) = ((of[np.isfinite(of)], over[np.isfinite(of)]) for of, over in (curve, other))
+    if min(x.size, u.size) < 2:
+        return NAN
+    low, high = max(x[0], u[0]), min(x[-1], u[-1])
+    if not high - low >= least > 0.0:
         return NAN
     places = np.linspace(low, high, 30)
     logs = [np.log(np.interp(places, *curve)) for curve in ((x, y), (u, v))]
     distance = (logs[0] - np.median(logs[0])) - (logs[1] - np.median(logs[1]))
     return float(np.sqrt((distance**2).mean()))
-
-
-# --- Of the cells of a map ------------------------------------------------------------------------
-# Sensitive cells have no row in a table.
-
-
-def _cells(of: Flags, over: Array, by: Array) -> tuple[NDArray[np.int8], Array, Array]:
-    """Return the flags as cells, shape (y, x), -1 for a sensitive one; and the axes x and y."""
-    (x, columns), (y, rows) = (np.unique(axis, return_inverse=True) for axis in (over, by))
-    cells = np.full((y.size, x.size), -1, dtype=np.int8)
-    cells[rows, columns] = of
-    return cells, x, y
-
-
-def _safe(cells: NDArray[np.int8], within: float) -> Flags:
-    """Return flags of the cells around which no cell is known not to align, shape (y, x)."""
-    sizes = [2 * max(1, round(within * (size - 1))) + 1 for size in cells.shape]
-    return np.asarray(ndimage.minimum_filter((cells != 0).astype(np.int8), sizes) == 1)
-
-
-def share_of_largest_area(of: Flags, over: Array, by: Array) -> float:
-    """Return the share of the flagged cells that lie in the largest connected area.
-
-    Sensitive cells connect areas and are not counted.
-    """
-    cells, _, _ = _cells(of, over, by)
-    areas, number = ndimage.label(cells != 0)
-    sizes = np.bincount(areas[cells == 1], minlength=number + 1)
-    return float(sizes.max() / sizes.sum()) if of.any() else 0.0
-
-
-def safe_share(of: Flags, over: Array, by: Array, within: float) -> float:
-    """Return the share of the cells around which all align, ``within`` a share of both axes."""
-    cells, _, _ = _cells(of, over, by)
-    return share(_safe(cells, within))
-
-
-def rows_with_safe_cells(of: Flags, over: Array, by: Array, within: float, until: float) -> float:
-    """Return the share of the rows up to ``until`` with a cell around which all align."""
-    cells, _, y = _cells(of, over, by)
-    rows = _safe(cells, within)[y <= until]
-    return float(rows.any(axis=1).mean()) if rows.size else NAN
-
-
-def shift_of_last(of: Flags, over: Array, by: Array) -> float:
-    """Return by how much the last flagged place differs between rows, over the length of the axis.
-
-    Sensitive cells next to it may be flagged as well; of the differences that this allows, the
-    least.
-    """
-    cells, x, _ = _cells(of, over, by)
-    ends = []
-    for row in cells:
-        surely = np.flatnonzero(row == 1)
-        if surely.size:
-            after = np.flatnonzero(row[surely[-1] + 1 :] != -1)
-            most = surely[-1] + after[0] if after.size else x.size - 1
-            ends.append((x[surely[-1]], x[most]))
-    if len(ends) < 2:
-        return NAN
-    apart = max(least for least, _ in ends) - min(most for _, most in ends)
-    return max(0.0, float(apart) / float(np.ptp(x)))
 
 
 # --- Of a history ---------------------------------------------------------------------------------
@@ -346,6 +304,6 @@ def duration_of_fall(of: Array, time: Array) -> float:
 
 MEASURES: Mapping[str, Callable[..., float]] = {
     name: each
-    for name, each in tuple(vars().items())
+    for name, each in (vars(areas) | vars()).items()
     if isfunction(each) and each.__code__.co_varnames[:1] == ("of",) and not name.startswith("_")
 }

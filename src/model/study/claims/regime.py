@@ -10,7 +10,7 @@ import numpy as np
 from model.events.outcomes import Unvibrated
 from model.study.claims.claims import CLAIMS
 from model.study.claims.data import Tables
-from model.study.claims.statistics import NAN, share
+from model.study.claims.statistics import NAN, median, share
 
 _CHECKS = {claim.id: claim.check for claim in CLAIMS if claim.check}
 
@@ -23,11 +23,11 @@ class Regime(NamedTuple):
     Attributes:
         aligned: share of the points that align, for the curve where it is least (claim M9).
         static: share whose unvibrated control aligns as well.
-        not_resting: share whose unvibrated control does not rest on A1, slightly tilted (M4b).
-        tilt: median magnitude of the tilt at alignment in radians (M2d).
+        not_resting: share whose unvibrated control does not rest on A1 (M4b).
+        tilt: median magnitude of the tilt at alignment in radians.
         tilt_largest: largest magnitude of the tilt at alignment in radians.
         corners: share that meets the four corner conditions (C8c).
-        lift_offs: share that lifts off before it aligns (N1).
+        lift_offs: share that lifts off before it aligns (N05 to N14).
     """
 
     aligned: float
@@ -52,12 +52,13 @@ def regime_of(tables: Tables, figure: str) -> Regime:
     aligned, unvibrated, tilt = (
         tables.values(figure, name) for name in ("aligned", "unvibrated", "tilt_at_alignment")
     )
+    tilts = np.abs(tilt[aligned])
     return Regime(
         aligned=number("M9"),
         static=share(unvibrated[aligned] == Unvibrated.ALIGNS),
         not_resting=1.0 - number("M4b"),
-        tilt=number("M2d"),
-        tilt_largest=float(np.abs(tilt[aligned]).max()) if aligned.any() else NAN,
+        tilt=median(tilts),
+        tilt_largest=float(tilts.max()) if tilts.size else NAN,
         corners=number("C8c"),
-        lift_offs=1.0 - number("N1"),
+        lift_offs=1.0 - number(f"N{figure[3:]}"),
     )

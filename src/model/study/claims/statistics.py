@@ -1,11 +1,12 @@
-"""Statistics of a column: ratio, mean, median, share, slope, trend.
+"""Statistics of a column: ratio, mean, median, share, slope, trend; and its division into lines.
 
 Trend and quantile are not scipy's: it has no rank correlation with a resolution, and quantiles that
 ignore NaN take it ten times as long on the few dozen points of a curve. Flags and columns are as in
 ``measures``, whose claims name every function of ``of``.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,13 +64,33 @@ def share(of: Flags) -> float:
     return float(of.mean()) if of.size else NAN
 
 
+def runs_of(of: Flags) -> list[tuple[int, int]]:
+    """Return the unbroken runs of flagged rows, each as (first, one past the last)."""
+    ends = np.flatnonzero(np.diff(np.concatenate([[0], of.astype(np.int8), [0]]))).tolist()
+    return list(zip(ends[::2], ends[1::2], strict=True))
+
+
+def stretch(of: Flags) -> float:
+    """Return the longest unbroken run of flagged rows, over all rows."""
+    return max((end - first for first, end in runs_of(of)), default=0) / of.size if of.size else NAN
+
+
 def slope(of: Array, over: Array) -> float:
-    """Return the slope of the least-squares line, NaN with fewer than two known points."""
+    """Return the median of the slopes between all pairs of points: no single jump decides it.
+
+    It is the estimator of Theil and Sen; NaN with fewer than two known points.
+    """
     known = np.isfinite(of)
     if known.sum() < 2:
         return NAN
-    x, y = over[known] - over[known].mean(), of[known]
-    return float((x * y).sum() / (x * x).sum())
+    first, second = np.triu_indices(int(known.sum()), 1)
+    x, y = over[known], of[known]
+    return float(np.median((y[second] - y[first]) / (x[second] - x[first])))
+
+
+def relative_slope(of: Array, over: Array) -> float:
+    """Return the slope over the median."""
+    return ratio(slope(of, over), median(of))
 
 
 def trend(of: Array, over: Array) -> float:
@@ -103,3 +124,10 @@ def explained(basis: Array, y: Array) -> float:
     matrix, y = basis[:, known].T, y[known]
     residual = y - matrix @ np.linalg.lstsq(matrix, y, rcond=None)[0]
     return max(0.0, float(1.0 - (residual**2).sum() / ((y - y.mean()) ** 2).sum()))
+
+
+def lines(by: Array, *columns: NDArray[Any]) -> Iterator[tuple[NDArray[Any], ...]]:
+    """Return the columns of each curve or row, by rising value of ``by``."""
+    order = np.argsort(by, kind="stable")
+    ends = np.flatnonzero(np.diff(by[order])) + 1
+    return zip(*(np.split(column[order], ends) for column in columns), strict=True)

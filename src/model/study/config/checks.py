@@ -126,9 +126,9 @@ def _cases(study: Study, faults: list[str]) -> None:
         with _noted(f"precision.cases.{name}", faults):
             check_name(case.figure, COMPUTED, "figure")
             study.case(name)
-    for name, hard in study.hard_cases.all_cases.items():
-        with _noted(f"hard_cases.cases.{name}.at", faults):
+    for name, hard in study.precision.hard.all_cases.items():
+        with _noted(f"precision.hard.cases.{name}.at", faults):
             study.baseline.replace(**hard.at)
-    for name in study.hard_cases.every_method.cases:
-        with _noted("hard_cases.every_method.cases", faults):
-            check_name(name, list(study.hard_cases.all_cases), "hard case")
+    for name in study.precision.hard.every_method:
+        with _noted("precision.hard.every_method", faults):
+            check_name(name, list(study.precision.hard.all_cases), "hard case")

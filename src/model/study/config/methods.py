@@ -1,4 +1,4 @@
-"""Comparison of methods: work and precision, hard cases."""
+"""Comparison of methods: cost against error, on usual and on hard cases."""
 
 from pydantic import Field, model_validator
 
@@ -51,15 +51,6 @@ class Ladder(Strict):
         return self
 
 
-class Precision(Strict):
-    """Section on speed against error."""
-
-    cases: dict[str, Case] = Field(min_length=1)
-    """Cases that are compared, by name."""
-    ladder: Ladder
-    """Tolerances and steps of the methods."""
-
-
 class HardCase(Strict):
     """Case that is hard to integrate: the baseline with other values, and the length of the run."""
 
@@ -70,7 +61,7 @@ class HardCase(Strict):
     until: float = Field(gt=0.0)
     """Time τ at which the run ends."""
     max_evaluations: int | None = Field(default=None, ge=1)
-    """Evaluations after which a method fails; null for the section's."""
+    """Evaluations after which a method ends its ladder; null for the section's."""
 
 
 class StiffnessCases(Strict):
@@ -86,30 +77,13 @@ class StiffnessCases(Strict):
     """Time τ at which the runs end."""
 
 
-class SharedCases(Strict):
-    """Hard cases that every method runs, within the same number of evaluations."""
-
-    max_evaluations: int = Field(ge=1)
-    """Evaluations after which any method is over budget."""
-    cases: list[str] = Field(min_length=1)
-    """Names of the cases."""
-
-
 class HardCases(Strict):
-    """Section on hard cases: every method on every case, and the criteria for its result."""
+    """Cases that are hard to integrate, and how they are solved."""
 
-    tolerance: Tolerance
-    """Tolerance of the adaptive methods."""
-    step: float = Field(gt=0.0)
-    """Step length of the fixed-step methods."""
-    true_tolerance: Tolerance
-    """Tolerance of the reference solution."""
-    accurate: float = Field(gt=0.0)
-    """Largest error of an accurate result."""
-    max_evaluations: int = Field(ge=1)
-    """Evaluations after which a method is over budget."""
-    every_method: SharedCases
-    """Cases that the methods of SciPy run as well."""
+    ladder: Ladder
+    """Tolerances, steps and limits of evaluations on these cases."""
+    every_method: list[str] = Field(min_length=1)
+    """Cases that the methods of SciPy run as well, all methods within SciPy's limit."""
     base: StiffnessCases
     """Cases of stiff and damped bases."""
     cases: dict[str, HardCase] = Field(min_length=1)
@@ -128,3 +102,19 @@ class HardCases(Strict):
                     until=self.base.until,
                 )
         return bases | self.cases
+
+
+class Precision(Strict):
+    """Section on speed against error."""
+
+    cases: dict[str, Case] = Field(min_length=1)
+    """Cases that are compared, by name."""
+    ladder: Ladder
+    """Tolerances and steps of the methods."""
+    hard: HardCases
+    """Cases that are hard to integrate."""
+
+    @property
+    def titles(self) -> dict[str, str]:
+        """Titles of all cases by name, the hard ones last."""
+        return {name: case.title for name, case in (self.cases | self.hard.all_cases).items()}

@@ -7,7 +7,7 @@ from model.study.config.accuracy import Accuracy
 from model.study.config.base import ParameterValues, Text
 from model.study.config.figures import FIGURES, FigureSpec, Maps, Plane
 from model.study.config.identification import Identification
-from model.study.config.methods import HardCases, Precision
+from model.study.config.methods import Precision
 from model.study.config.runs import ClaimRun, Jamming
 from model.sweeps.axes import Strict
 from model.sweeps.settings import RunSettings
@@ -32,8 +32,6 @@ class Study(Strict):
     """Trials of the integrator's accuracy on random sets."""
     precision: Precision
     """Comparison of the methods' cost against their error."""
-    hard_cases: HardCases
-    """Comparison of the methods on cases that are hard to integrate."""
     claims_runs: dict[str, ClaimRun]
     """Curves that only the claims need, by name."""
     identification: Identification

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from model.events.outcomes import Outcome
 from model.physics.parameters import FIELDS, Batch
 from model.runs.align import run_once
+from model.runs.insertion_outcome import insertion_outcomes
 from model.runs.unvibrated import unvibrated
 from model.study.claims.claims import CLAIMS
 from model.study.claims.data import Tables, table_of, with_columns
@@ -140,11 +141,13 @@ def _of_grids(
     columns = {name: found[name][back] for name in found}
     sizes = [len(each) for each in batches]
     names = np.repeat([each.name for each in sweeps], sizes)
+    outcome = columns["outcome"].astype(np.int8)
+    columns["insertion"] = insertion_outcomes(together, outcome, settings).astype(np.float64)
     columns["device"] = np.repeat([device for device, _ in pairs], sizes)
     columns["sensitive"] = np.zeros(len(together))
     columns["unvibrated"] = np.zeros(len(together))
     columns["unvibrated_tilt"] = np.full(len(together), math.nan)
-    needed = np.flatnonzero(np.isin(names, figures) & (columns["outcome"] == Outcome.ALIGNED))
+    needed = np.flatnonzero(np.isin(names, figures) & (outcome == Outcome.ALIGNED))
     if needed.size:
         still = replace(settings, horizon=REST_HORIZON, tolerance=REST_TOLERANCE)
         rest = unvibrated(_rows(together, needed), still)

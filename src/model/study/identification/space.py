@@ -36,7 +36,7 @@ TRACKED = ("centred", "pressed", "misaligned", "displaced")  # whose claims read
 REST_HORIZON, REST_TOLERANCE = 300.0, 1e-8  # what is not vibrated must be seen to come to rest
 _SCORED = (
     *(name for name, result in RESULTS.items() if result.stored and name != "tau_error"),
-    "unvibrated", "unvibrated_tilt",
+    "unvibrated", "unvibrated_tilt", "insertion",
 )  # fmt: skip
 
 

@@ -1,0 +1,205 @@
+"""Studies of devices: one call from devices and ranges with units to a dataset in SI units."""
+
+import json
+import math
+import numbers
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, fields
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from model.device.amounts import read_values
+from model.device.batches import by_settings, devices_of, rows_of
+from model.device.maps import corners_of, quantity_attributes
+from model.device.plausibility import check_press
+from model.device.runs import IN_SI, AnyDevice, Device, devices_in, with_changes
+from model.device.stated import QUANTITIES, StatedDevice, unit_of
+from model.engines.results import RESULTS, VALUE_TYPES
+from model.events.outcomes import Outcome
+from model.physics.parameters import PARAMETER_NAMES, Parameters, check_name
+from model.physics.quantities import ANGLE, PLAIN
+from model.physics.units import scales
+from model.runs.align import align
+from model.runs.settings import Settings
+from model.show.assumptions import (
+    as_attribute,
+    assumptions,
+    assumptions_with,
+    at_corners,
+    source_words,
+)
+from model.sweeps.io import described, parameter_attributes, result_attributes, summary_of
+
+Axes = Mapping[str, NDArray[np.float64]]
+
+_OF_INSERTION = ("tau_inserted", "insertion_error")
+
+
+def sweep(
+    device: AnyDevice | Iterable[AnyDevice],
+    settings: Settings | None = None,
+    *,
+    points: int = 101,
+    cores: int | None = None,
+    **axes: Any,
+) -> xr.Dataset:
+    """Run a device over a grid of its quantities and return all results as a dataset.
+
+    ``sweep("peg.yaml", frequency="20 to 150 Hz", press_force=[8, 10, "12 N"])`` has the dimensions
+    frequency and press_force. Its variables are the results of ``align``, in SI units for a device
+    in SI units: times with their errors, outcomes as CF flags, forces; and the quantities that are
+    held. Its attributes state the device, its shape, the version and what the answers assume.
+
+    Args:
+        device: as ``simulate`` takes it; a list has its own dimension, ``device``.
+        settings: settings of the runs; the defaults of ``Settings`` if None.
+        points: number of values, >= 2, of an axis that is given as a range.
+        cores: number of threads, >= 1; all cores by default.
+        **axes: quantities by name, each a range in a text ("20..150 Hz"), or its values, or one
+            value that all runs have; numbers in SI units, texts with units; dimensionless for
+            ``Parameters``. Also fields of ``Settings``, as ``simulate`` takes them.
+
+    Raises:
+        TypeError: no device, or a setting of the wrong type.
+        ValueError: an unknown name, a value that is no amount or breaks its rule, or devices in SI
+            units beside dimensionless ones.
+    """
+    names = {each.name for each in fields(Settings)}
+    changes = {name: value for name, value in axes.items() if name in names}
+    varied = {name: value for name, value in axes.items() if name not in names}
+    devices = [with_changes(each, settings, changes) for each in devices_in(device)]
+    if not devices:
+        raise ValueError("no device: give at least one")
+    if len({type(each) for each, _ in devices}) > 1:
+        raise ValueError("devices must all be in SI units, or all dimensionless")
+    if not (isinstance(points, numbers.Integral) and points >= 2):
+        raise ValueError(f"points = {points!r}: must be a whole number >= 2")
+    is_stated = isinstance(devices[0][0], StatedDevice)
+    for name in changes.keys() & IN_SI.keys() if is_stated else ():
+        if not isinstance(changes[name], str):
+            rule = f"must be a text with a unit, such as '1 {IN_SI[name].unit}'"
+            raise ValueError(f"{name} = {changes[name]!r}: {rule}")  # noqa: TRY004 - by its value
+    for name in varied:
+        check_name(name, QUANTITIES if is_stated else PARAMETER_NAMES, "quantity of a device")
+    units = {name: unit_of(name) if is_stated else "1" for name in varied}
+    values = {name: read_values(name, v, units[name], int(points)) for name, v in varied.items()}
+    for one, _ in devices:
+        _check(one, values)
+    parts = [_study(one, own, values, cores) for one, own in devices]
+    found = parts[0]
+    if not isinstance(device, (Parameters, StatedDevice, str)) and isinstance(device, Iterable):
+        names_of = xr.Variable("device", [each.attrs["device"] for each in parts])
+        found = xr.concat(
+            parts, names_of, data_vars="all", coords="minimal", compat="override", join="exact"
+        )
+        found = found.assign_coords(device=names_of)
+    words = [
+        _assumed(one, own, each) for one, own in devices for each in corners_of(_lists(values))
+    ]
+    return described(found.assign_attrs(assumptions=as_attribute(at_corners(words))))
+
+
+def _lists(axes: Axes) -> dict[str, list[float]]:
+    return {name: np.atleast_1d(values).tolist() for name, values in axes.items()}
+
+
+def _check(device: Device, axes: Axes) -> None:
+    """Refuse values that break a rule, of every axis and at the corners of the grid."""
+    lists = _lists(axes)
+    first = {name: values[0] for name, values in lists.items()}
+    alone = [first | {name: value} for name, values in lists.items() for value in values]
+    for each in [*corners_of(lists), *alone]:
+        if isinstance(device, StatedDevice):
+            check_press(each.get("press_force", math.inf))
+            device.at(each)
+        else:
+            device.replace(**each)
+
+
+def _assumed(device: Device, settings: Settings, values: dict[str, float]) -> dict[str, str]:
+    if isinstance(device, StatedDevice):
+        return assumptions_with(device, values, settings, None)
+    return assumptions(device.replace(**values), settings)
+
+
+def _study(device: Device, settings: Settings, axes: Axes, cores: int | None) -> xr.Dataset:
+    """Return the dataset of one device."""
+    swept = {name: values for name, values in axes.items() if values.ndim}
+    shape = tuple(values.size for values in swept.values())
+    grid = np.meshgrid(*axes.values(), indexing="ij") if axes else []
+    columns = {name: each.ravel() for name, each in zip(axes, grid, strict=True)}
+    batch, units = devices_of(device, columns)
+    groups = {settings: [*range(len(batch))]}
+    if isinstance(device, StatedDevice):
+        groups = by_settings(device, settings, units)
+    found: dict[str, NDArray[Any]] = {}
+    for own, rows in groups.items():
+        runs = align(rows_of(batch, rows), own, cores=cores)
+        for name, result in RESULTS.items():
+            if name in _OF_INSERTION and own.success is not Outcome.INSERTED:
+                continue
+            column = getattr(runs, name)
+            if units and result.quantity not in (PLAIN, ANGLE):
+                column = column * scales([units[row] for row in rows], result.quantity)
+            whole = found.setdefault(name, np.empty(len(batch), VALUE_TYPES[name].stored))
+            whole[rows] = column
+    variables = {
+        name: ([*swept], column.reshape(shape), _attributes(name, in_si=bool(units)))
+        for name, column in found.items()
+    }
+    is_input = {"coverage_content_type": "referenceInformation"}
+    held = {
+        name: ((), value, _of_quantity(device, name) | is_input)
+        for name, value in _held(device, axes).items()
+    }
+    dimensions = {name: (name, v, _of_quantity(device, name)) for name, v in swept.items()}
+    stated = _stated(device, next(iter(groups)), swept)
+    return xr.Dataset(variables | held, dimensions, stated)
+
+
+def _held(device: Device, axes: Axes) -> dict[str, float]:
+    """Return the quantities of a device that are the same all over the grid."""
+    corners = []
+    for each in corners_of(_lists(axes)):
+        one = device.changed(**each) if isinstance(device, StatedDevice) else device.replace(**each)
+        corners.append(one.values if isinstance(one, StatedDevice) else one.given())
+    alike = {n: v for n, v in corners[0].items() if all(c.get(n) == v for c in corners)}
+    return {n: v for n, v in alike.items() if v is not None and not np.ndim(axes.get(n, 0.0))}
+
+
+def _attributes(name: str, *, in_si: bool) -> dict[str, Any]:
+    attributes, quantity = result_attributes(RESULTS[name]), RESULTS[name].quantity
+    if in_si and quantity not in (PLAIN, ANGLE):
+        attributes["units"] = quantity.unit
+    if name == "tau_align":
+        attributes["ancillary_variables"] = "tau_error outcome reason sensitive"
+    return attributes
+
+
+def _of_quantity(device: Device, name: str) -> dict[str, Any]:
+    """Return the attributes of a quantity, with a name that is short enough for a plot."""
+    of = quantity_attributes if isinstance(device, StatedDevice) else parameter_attributes
+    attributes = of(name)
+    return attributes | {"long_name": attributes["long_name"].partition(";")[0]}
+
+
+def _stated(device: Device, settings: Settings, swept: Axes) -> dict[str, Any]:
+    """Return the attributes of the dataset of one device."""
+    is_stated = isinstance(device, StatedDevice)
+    words = source_words(device) if isinstance(device, StatedDevice) else "dimensionless"
+    return {
+        "title": f"Study of the device {words}",
+        "summary": summary_of(
+            {_of_quantity(device, name)["long_name"]: v.size for name, v in swept.items()}
+        ),
+        "device": words,
+        "shape": settings.shape or "square",
+        "scene": settings.scene.name,
+        "start": settings.start or "simultaneous",
+        "readings": json.dumps(asdict(settings.readings)),
+        "tolerance": settings.tolerance,
+        "comment": "SI units" if is_stated else "All quantities are dimensionless.",
+    }

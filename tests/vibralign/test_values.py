@@ -1,0 +1,149 @@
+"""Public values are copied, pickled, compared and printed, in this process and in others."""
+
+import copy
+import importlib
+import math
+import multiprocessing
+import pickle
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import FrozenInstanceError, is_dataclass, replace
+from enum import Enum
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import vibralign
+from model.events.table import EVENTS
+from vibralign import (
+    INSERTION,
+    PRINTED_CONTACTS,
+    Batch,
+    Outcome,
+    Reason,
+    Scene,
+    Settings,
+    Variants,
+    align,
+    assess,
+    baseline,
+    load_device,
+    simulate,
+    yield_of,
+)
+
+PEG = Path(__file__).parents[2] / "docs" / "devices" / "peg.yaml"
+QUICK = Settings(horizon=20.0, tolerance=1e-6)
+STARTS = [{"phase": 0.0, "initial_tilt": 0.001}]
+
+
+def values():
+    """Values of every public class, with and without what is not a number."""
+    device, peg = baseline(), load_device(PEG, {"press_force": "12 N ± 1 N"})
+    batch = Batch.of(device, press_force=np.linspace(0.2, 4.0, 9))
+    found, results = yield_of(peg, STARTS, QUICK, devices=4)
+    return [
+        device, batch, peg, Variants.printed(), Outcome.ALIGNED, Reason.NO_REST,
+        INSERTION, PRINTED_CONTACTS, Scene("mine", frozenset({"edge_on_face"})),
+        Settings(), replace(QUICK, scene=INSERTION, readings=Variants(), start="pressed"),
+        simulate(device, QUICK), simulate(device, QUICK, horizon=1.0), align(batch, QUICK),
+        found, results, replace(found, low=math.nan), assess(peg, QUICK, vary=False, bases=True),
+    ]  # fmt: skip
+
+
+VALUES = values()
+NAMES = [f"{type(each).__name__} {n}" for n, each in enumerate(VALUES)]
+
+
+def echo(value):
+    """Take a value to another process and back."""
+    return value
+
+
+@pytest.fixture(scope="module", params=["fork", "spawn"])
+def elsewhere(request):
+    """The values after a way to another process and back."""
+    with ProcessPoolExecutor(1, multiprocessing.get_context(request.param)) as pool:
+        return list(pool.map(echo, VALUES))
+
+
+pytestmark = pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning")
+each_value = pytest.mark.parametrize("n", range(len(VALUES)), ids=NAMES)
+
+
+def test_every_public_class_is_tried():
+    public = {getattr(vibralign, name) for name in vibralign.__all__}
+    assert {each for each in public if isinstance(each, type)} <= {type(each) for each in VALUES}
+
+
+@each_value
+def test_a_copy_is_equal_and_has_the_same_hash(n):
+    value = VALUES[n]
+    for copied in (copy.copy(value), copy.deepcopy(value), pickle.loads(pickle.dumps(value))):  # noqa: S301
+        assert copied == value
+        assert hash(copied) == hash(value)
+    assert all(other != value for other in VALUES[:n] + VALUES[n + 1 :])
+    assert len({*VALUES}) == len(VALUES)
+
+
+@each_value
+def test_it_comes_back_from_another_process(elsewhere, n):
+    assert elsewhere[n] == VALUES[n]
+    assert repr(elsewhere[n]) == repr(VALUES[n])
+
+
+def test_joblib_has_one_key_for_equal_values():
+    joblib = pytest.importorskip("joblib")
+    assert joblib.hash(VALUES) == joblib.hash(copy.deepcopy(VALUES))
+    assert joblib.Parallel(2)(joblib.delayed(echo)(each) for each in VALUES) == VALUES
+
+
+def test_dask_has_one_key_for_equal_values():
+    base = pytest.importorskip("dask.base")
+    assert [*map(base.tokenize, VALUES)] == [*map(base.tokenize, copy.deepcopy(VALUES))]
+
+
+@each_value
+def test_it_prints_in_a_line_and_as_a_table(n):
+    value = VALUES[n]
+    assert len(repr(value)) < 500
+    assert "\n" not in repr(value)
+    if is_dataclass(value) and not isinstance(value, (Enum, Scene, Variants)):
+        assert value._repr_html_().startswith("<table>")
+        with pytest.raises(FrozenInstanceError):
+            value.friction = 0.2
+
+
+@pytest.mark.parametrize("method", ["fork", "spawn"])
+def test_settings_reach_the_runs_of_other_processes(method):
+    task = partial(simulate, settings=replace(QUICK, scene=INSERTION))
+    with ProcessPoolExecutor(2, multiprocessing.get_context(method)) as pool:
+        assert list(pool.map(task, [baseline()] * 2)) == [task(baseline())] * 2
+
+
+def test_values_differ_where_one_number_does():
+    batch = Batch.of(baseline(), press_force=[1.0, 2.0])
+    assert batch != Batch.of(baseline(), press_force=[1.0, 2.5])
+    assert Batch.of(baseline(), rest_tilt=[-0.0]) == Batch.of(baseline(), rest_tilt=[0.0])
+    assert batch != batch.values
+    assert Settings(horizon=3.0) != Settings()
+
+
+def test_a_scene_with_events_of_its_own_says_that_it_stays():
+    with pytest.raises(TypeError, match="scene 'mine' has a table of events of its own"):
+        copy.deepcopy(Scene("mine", frozenset(), EVENTS[:3]))
+
+
+def test_outcomes_print_as_words():
+    assert (
+        f"{Outcome.LEFT_SCENE} {Outcome.LEFT_SCENE:d} {Outcome.ALIGNED:>8}"
+        == "left_scene 2  aligned"
+    )
+    assert repr(Settings(horizon=3.0)) == "Settings(horizon=3.0)"
+    run = simulate(baseline(), QUICK)
+    assert repr(run).startswith(f"<Trajectory: aligned at τ = {run.tau_align:.7g} ± ")
+    assert "1 aligned" in repr(align(baseline(), QUICK))
+    assert (
+        importlib.import_module("vibralign").load_device(PEG).__repr__() == f"<StatedDevice: {PEG}>"
+    )
