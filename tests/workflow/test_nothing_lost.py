@@ -289,7 +289,9 @@ def test_a_forged_dataset_is_not_drawn(copy_of_built: Any, built: Any) -> None:
     assert "Nothing to be done" in planned.stdout + planned.stderr, "a dry run touches nothing"
     run = copy_of_built.forked("fig11")
     assert run.returncode == 0, run.stdout + run.stderr
-    assert f"{data}: not as its job left it: deleted, and made anew" in run.stderr
+    assert f"{data}: not as its job left it: moved to tiny/history/" in run.stderr
+    (kept,) = copy_of_built.folder.glob(f"tiny/history/*/{data.removeprefix('tiny/')}")
+    assert kept.read_bytes() == (copy_of_built.folder / "tiny/data/fig13.nc").read_bytes()
     assert copy_of_built.sha256(data, picture) == built.sha256(data, picture)
 
 
