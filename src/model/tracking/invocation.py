@@ -172,6 +172,7 @@ def begin(config: Mapping[str, Any]) -> Invocation:
     if logger is not None:
         logger.invocation = invocation
         os.environ[INVOCATION] = invocation.name
+        # An option that deletes results begins so; Snakemake itself does not look for a run.
         if not logger.plans and any(word.startswith("--delete-") for word in sys.argv):
             invocation.recover()  # refused while another runs
     os.environ["MPLBACKEND"] = "agg"  # that of a notebook draws no files
