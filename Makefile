@@ -210,6 +210,9 @@ pin = UV_CUSTOM_COMPILE_COMMAND="make lock" .lock-venv/bin/uv pip compile pyproj
 	--generate-hashes --no-config --no-annotate $(LOCK_FLAGS) --output-file $(1)
 
 clean:
+	@[ ! -f .snakemake/run.lock ] || $(PYTHON) -c 'import fcntl; \
+		fcntl.flock(open(".snakemake/run.lock"), fcntl.LOCK_SH | fcntl.LOCK_NB)' 2>/dev/null || { \
+		echo "a Snakemake runs the study here: wait for it or stop it" >&2; exit 1; }
 	@[ ! -d .snakemake/slurm_logs ] || $(in_env) python -m model.tracking.slurm
 	find results -mindepth 1 ! -name README.md -delete
 	rm -rf results-* .snakemake build dist site docs/examples

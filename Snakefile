@@ -6,7 +6,8 @@ from snakemake.exceptions import WorkflowError
 from snakemake.utils import min_version
 
 from model.study.config import COMPUTED, FIGURES, GRIDDED, MAPS, SCHEMATICS
-from model.study.config import ConfigError, check_study, study_files
+from model.study.config import ConfigError, check_files, check_study, study_files
+from model.tracking import TrackingError
 from model.tracking.invocation import begin
 
 min_version("9.14")
@@ -23,8 +24,12 @@ for file in study_files(Path(workflow.basedir, "config/config.yaml")):
     configfile: file
 
 
-invocation = begin(config)
 try:
+    invocation = begin(config)
+except TrackingError as refused:
+    raise WorkflowError(str(refused))
+try:
+    check_files(workflow.configfiles)
     study = check_study(config, "config")
 except ConfigError as fault:
     raise WorkflowError(f"the configuration breaks a rule\n{fault}")

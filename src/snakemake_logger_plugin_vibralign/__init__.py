@@ -4,13 +4,16 @@ The profiles select it. Snakemake finds a plug-in by the name of its module, and
 main process only.
 """
 
+import contextlib
 import sys
 from logging import LogRecord
 
+from snakemake.exceptions import WorkflowError
+from snakemake.logging import logger
 from snakemake_interface_logger_plugins.base import LogHandlerBase
 from snakemake_interface_logger_plugins.common import LogEvent
 
-from model.tracking import invocation
+from model.tracking import TrackingError, invocation
 
 
 class LogHandler(LogHandlerBase):
@@ -30,6 +33,25 @@ class LogHandler(LogHandlerBase):
         self._jobs = False  # one has started
         self._error: str | None = None  # the last one
         invocation.logger = self
+        logger.addFilter(self._before)
+
+    def _before(self, record: LogRecord) -> bool:
+        """Lock and mend the folder before Snakemake looks at its files, and before the first job.
+
+        Snakemake calls this at once, and ``emit`` from another thread.
+        """
+        event, own = getattr(record, "event", None), self.invocation
+        if own is None or self.plans:
+            return True
+        if event == LogEvent.WORKFLOW_STARTED:
+            with contextlib.suppress(TrackingError):  # nothing is refused if there are no jobs
+                own.recover()
+        elif event == LogEvent.RUN_INFO:  # also without hooks
+            try:
+                own.recover(invocation.PATIENCE)
+            except TrackingError as refused:
+                raise WorkflowError(str(refused)) from None
+        return True
 
     def emit(self, record: LogRecord) -> None:
         """Note an event."""

@@ -21,7 +21,7 @@ from model.study.csv_tables import TableError
 from model.sweeps.io import DatasetError, read_dataset, write_dataset
 from model.tracking import TrackingError, code
 from model.tracking.compare import changed_verdicts
-from model.tracking.history import discard_damaged, load_history
+from model.tracking.history import load_history, set_aside_damaged
 from model.tracking.reference import verify
 
 PROJECT = Path(__file__).resolve().parents[2]
@@ -93,7 +93,7 @@ class Sidecar:
         self.path.write_text(json.dumps({"run": "merge/fig06", "outputs": {}}), encoding="utf-8")
 
     def use(self) -> None:
-        deleted = discard_damaged(self.path.parents[1])
+        deleted = set_aside_damaged(self.path.parents[1], "now")
         assert deleted == ([] if self.path.exists() else [str(self.path)])
 
 

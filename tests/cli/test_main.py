@@ -299,3 +299,31 @@ def test_the_start_is_that_of_the_option_then_the_file_then_the_study(tmp_path, 
     assert start_of("--start", "pressed") == "pressed"
     assert start_of("--device", str(path)) == "pressed"
     assert start_of("--device", str(path), "--start", "simultaneous") == "simultaneous"
+
+
+@pytest.mark.parametrize("closed", ["<&-", ">&-", "2>&-", ">&- 2>&-", "<&- >&- 2>&-"])
+def test_standard_streams_may_be_closed(tmp_path, closed):
+    picture = tmp_path / "run.svg"
+    command = f"{sys.executable} -m model.cli.main simulate --horizon 1 --plot {picture} {closed}"
+    run = subprocess.run(["sh", "-c", command], capture_output=True, text=True, check=False)
+    assert run.returncode == cli.DONE
+    assert "Traceback" not in run.stderr
+    assert picture.read_text(encoding="utf-8").startswith("<?xml")  # and nothing else came into it
+
+
+@pytest.mark.parametrize("full", [">/dev/full", ">/dev/full 2>&1"])
+def test_full_standard_streams_are_a_failure(full):
+    command = f"{sys.executable} -m model.cli.main simulate --horizon 1 {full}"
+    run = subprocess.run(["sh", "-c", command], capture_output=True, text=True, check=False)
+    assert run.returncode == cli.FAILED
+    assert "Traceback" not in run.stderr
+
+
+def test_the_backend_of_a_notebook_does_not_matter(tmp_path):
+    words = [sys.executable, "-m", "model.cli.main", "simulate", "--horizon", "1", "--plot"]
+    for backend in ("module://matplotlib_inline.backend_inline", "no such"):
+        own = {**os.environ, "MPLBACKEND": backend}
+        picture = tmp_path / "run.png"
+        run = subprocess.run([*words, picture], env=own, capture_output=True, check=False)
+        assert run.returncode == cli.DONE, run.stderr
+        picture.unlink()

@@ -1,5 +1,7 @@
 """Settings of a run: accepted and refused values."""
 
+import math
+
 import pytest
 
 from model import ALIGNMENT, INSERTION, SUSPENDED, Settings, Variants, simulate
@@ -22,7 +24,8 @@ def test_defaults_are_the_consistent_readings_in_the_alignment_scene():
         ({"tolerance": 0.0}, r"tolerance = 0\.0: must be between 1e-14 and 1e-2"),
         ({"tolerance": 0.1}, r"tolerance = 0\.1: must be between 1e-14 and 1e-2"),
         ({"tolerance": float("nan")}, "tolerance = nan: must be between"),
-        ({"max_evaluations": 0}, "max_evaluations = 0: must be >= 1"),
+        ({"max_evaluations": 0}, "max_evaluations = 0: must be finite and >= 1"),
+        ({"max_evaluations": math.inf}, "max_evaluations = inf: must be finite and >= 1"),
         ({"start": "press"}, "unknown start 'press'. Did you mean 'pressed'"),
         ({"start": "pressed", "scene": SUSPENDED}, "'suspended' must declare edge_on_face"),
         ({"start": "pressed", "readings": Variants.printed()}, "needs the consistent readings"),

@@ -43,6 +43,7 @@ REFUSED = [
     ("results_rot", "x", ["results_rot", "unknown key", "results_root"]),
     ("settings.horizn", 1.0, ["settings.horizn", "unknown key", "horizon"]),
     ("settings.horizon", "long", ["settings.horizon = 'long'", "number"]),
+    ("settings.tolerance", "1e-10", ["settings.tolerance = '1e-10'", "write 1.0e-10"]),
     ("settings.readings", "prinetd", ["settings.readings = 'prinetd'", "'printed'"]),
     ("settings.readings", {"friction_lw": "printed"}, ["friction_lw", "friction_law"]),
     ("claims_runs.rubbing.swpt", 1.0, ["claims_runs.rubbing.swpt", "unknown key", "'swept'"]),

@@ -152,3 +152,12 @@ def test_looking_at_the_checkout_takes_no_lock_in_it(package):
     before = index.read_bytes()
     assert job.git_state()["dirty"] is False
     assert index.read_bytes() == before
+    (package.parent / "results-smoke").symlink_to(package)  # results on another disk
+    os.environ["GIT_DIR"] = str(package / "nowhere")  # as in a hook of another repository
+    os.environ["GIT_TEST_ASSUME_DIFFERENT_OWNER"] = "1"  # git takes the checkout for another's
+    try:
+        assert job.git_state()["dirty"] is False
+        (package / "edit.py").touch()
+        assert job.git_state()["dirty"] is True
+    finally:
+        del os.environ["GIT_DIR"], os.environ["GIT_TEST_ASSUME_DIFFERENT_OWNER"]

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import textwrap
+import time
 from pathlib import Path
 
 import pytest
@@ -14,11 +15,13 @@ import pytest
 from model.tracking import TrackingError
 from model.tracking.history import (
     COLUMNS,
-    discard_damaged,
+    end_the_future,
     find_invocation,
     find_run,
+    is_running,
     load_history,
     load_runs,
+    set_aside_damaged,
     sidecars,
     write_index,
 )
@@ -171,22 +174,22 @@ def test_a_root_without_history_and_a_broken_record_are_named(recorded, tmp_path
         sidecars(recorded.root)
 
 
-def test_what_is_not_as_its_job_left_it_is_deleted(recorded) -> None:
+def test_what_is_not_as_its_job_left_it_is_set_aside(recorded) -> None:
     for figure in ("fig06", "fig07", "fig08"):
         recorded.merge(figure=figure)
     data = recorded.root / "data"
     (data / "fig06.nc").write_bytes(b"half")
     (data / "fig08.run.json").write_text("{", encoding="utf-8")
     (data / ".fig09.nc-x1y2.part").write_bytes(b"half")
-    deleted = {Path(name).name for name in discard_damaged(recorded.root)}
+    deleted = {Path(name).name for name in set_aside_damaged(recorded.root, "now")}
     assert deleted == {"fig06.nc", "fig06.run.json", "fig08.run.json", ".fig09.nc-x1y2.part"}
     left = sorted(path.name for path in data.iterdir())
     assert left == ["fig07.nc", "fig07.run.json", "fig08.nc"]
     recorded.compare()
-    assert discard_damaged(recorded.root) == []
+    assert set_aside_damaged(recorded.root, "now") == []
     times = recorded.root / "benchmarks/precision.csv"  # in another folder than its sidecar
     times.write_text("damaged", encoding="utf-8")
-    assert len(discard_damaged(recorded.root)) == 2
+    assert len(set_aside_damaged(recorded.root, "now")) == 2
     assert not times.exists()
     assert {"precision.csv"} == {path.name for path in data.glob("precision*")}
 
@@ -197,3 +200,42 @@ def test_what_is_not_as_its_job_left_it_is_deleted(recorded) -> None:
 )
 def test_a_run_is_named_with_its_rule_and_figure(run, figure):
     assert named(run) == {"run": run, "rule": run.split("/", 1)[0], "figure": figure}
+
+
+def test_results_behind_a_link_are_checked_and_kept_aside(recorded, tmp_path: Path) -> None:
+    recorded.merge()
+    recorded.compare()
+    shutil.move(recorded.root / "data", tmp_path / "disk")
+    (recorded.root / "data").symlink_to(tmp_path / "disk")
+    (tmp_path / "disk/around").symlink_to(tmp_path / "disk")  # a circle ends
+    assert {each["run"] for each in sidecars(recorded.root).values()} == {
+        "merge/fig06",
+        "precision",
+    }
+    (tmp_path / "disk/fig06.nc").write_bytes(b"a forged one")
+    times = recorded.root / "benchmarks/precision.csv"
+    times.write_text("an edit", encoding="utf-8")
+    assert len(set_aside_damaged(recorded.root, "now")) == 4
+    assert not (tmp_path / "disk/fig06.nc").exists()
+    kept = recorded.root / "history/now"
+    assert (kept / "data/fig06.nc").read_bytes() == b"a forged one"
+    assert (kept / "benchmarks/precision.csv").read_text(encoding="utf-8") == "an edit"
+    assert set_aside_damaged(recorded.root, "later") == []
+
+
+def test_a_file_from_the_future_is_of_now(recorded) -> None:
+    recorded.merge()
+    ahead = recorded.root / "data/fig06.nc"
+    os.utime(ahead, (time.time() + 1e6,) * 2)
+    assert end_the_future(recorded.root) == [str(ahead)]
+    assert ahead.stat().st_mtime <= time.time()
+    assert end_the_future(recorded.root) == []
+
+
+def test_the_history_of_another_owner_is_read(recorded) -> None:
+    made = recorded.invocation()
+    lock = recorded.root / f"history/{made.name}.lock"
+    lock.chmod(0o444)
+    assert is_running(recorded.root, made.name)
+    made.end("done")
+    assert not is_running(recorded.root, made.name)

@@ -168,6 +168,47 @@ def test_a_second_snakemake_in_the_same_folder_is_refused(copy_of_built: Any) ->
     assert outcomes(copy_of_built)[-1] == "failed"
 
 
+@pytest.mark.parametrize("option", ["--no-hooks", "--delete-all-output", "clean"])
+def test_nothing_works_on_the_results_of_a_running_one(copy_of_built: Any, option: str) -> None:
+    """Of Snakemake without hooks, Snakemake that deletes, and `make clean`."""
+    (copy_of_built.folder / FEW[0]).unlink()
+    with (copy_of_built.folder / ".snakemake/run.lock").open("w", encoding="utf-8") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if option == "clean":
+            run = copy_of_built._run("make", f"PYTHON={sys.executable}", "clean")
+        else:
+            run = copy_of_built.forked(option, *FEW)
+    assert run.returncode != 0
+    assert "Snakemake runs the study" in run.stderr
+    assert not (copy_of_built.folder / FEW[0]).exists()
+    assert (copy_of_built.folder / FEW[1]).exists()
+
+
+def test_a_list_changes_nothing(copy_of_built: Any) -> None:
+    picture = copy_of_built.folder / "tiny/figures/fig11.svg"
+    edited = picture.read_text(encoding="utf-8") + "<!-- note -->\n"
+    picture.write_text(edited, encoding="utf-8")
+    before = sorted(copy_of_built.folder.rglob("tiny/**/*"))
+    for option in ("--list-rules", "--summary", "--dag", "--rulegraph", "--lint", "--unlock"):
+        copy_of_built.forked("fig11", option)
+    assert picture.read_text(encoding="utf-8") == edited
+    assert sorted(copy_of_built.folder.rglob("tiny/**/*")) == before
+    run = copy_of_built.forked("fig11")
+    assert run.returncode == 0, run.stdout + run.stderr
+    (kept,) = copy_of_built.folder.glob("tiny/history/*/figures/fig11.svg")
+    assert kept.read_text(encoding="utf-8") == edited
+    assert picture.read_text(encoding="utf-8") == edited.removesuffix("<!-- note -->\n")
+
+
+def test_an_input_from_the_future_stops_nothing(copy_of_built: Any, built: Any) -> None:
+    (copy_of_built.folder / FEW[0]).unlink()
+    os.utime(copy_of_built.folder / "tiny/data/kernels.json", (time.time() + 1e5,) * 2)
+    run = copy_of_built.forked(FEW[0])
+    assert run.returncode == 0, run.stdout + run.stderr
+    assert "kernels.json: was dated in the future: set to now" in run.stderr
+    assert copy_of_built.sha256(FEW[0]) == built.sha256(FEW[0])
+
+
 def test_a_snakemake_that_is_just_dying_is_waited_for(copy_of_built: Any) -> None:
     (copy_of_built.folder / "tiny/data/fig05.nc").unlink()
     lock = (copy_of_built.folder / ".snakemake/run.lock").open("w", encoding="utf-8")
@@ -289,7 +330,9 @@ def test_a_forged_dataset_is_not_drawn(copy_of_built: Any, built: Any) -> None:
     assert "Nothing to be done" in planned.stdout + planned.stderr, "a dry run touches nothing"
     run = copy_of_built.forked("fig11")
     assert run.returncode == 0, run.stdout + run.stderr
-    assert f"{data}: not as its job left it: deleted, and made anew" in run.stderr
+    assert f"{data}: not as its job left it: moved to tiny/history/" in run.stderr
+    (kept,) = copy_of_built.folder.glob(f"tiny/history/*/{data.removeprefix('tiny/')}")
+    assert kept.read_bytes() == (copy_of_built.folder / "tiny/data/fig13.nc").read_bytes()
     assert copy_of_built.sha256(data, picture) == built.sha256(data, picture)
 
 

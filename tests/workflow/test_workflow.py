@@ -33,6 +33,14 @@ def test_a_refused_configuration_is_recorded_with_the_rule_that_it_breaks(
     assert "results_root = 7" in record["reason"]
 
 
+@pytest.mark.parametrize("text", ["settings: {horizon: 300, horizon: 30}", "{a: 0300}"])
+def test_a_file_that_may_mean_two_things_is_refused(workspace: Any, text: str) -> None:
+    (workspace.folder / "config/tiny.yaml").write_text(text, encoding="utf-8")
+    run = workspace.forked("-n")
+    assert run.returncode != 0
+    assert "tiny.yaml: cannot be read as YAML: line 1" in run.stdout + run.stderr
+
+
 def test_an_interruption_before_the_first_job_is_recorded_as_one(workspace: Any) -> None:
     rules = workspace.folder / "workflow/rules/accuracy.smk"
     rules.write_text("raise KeyboardInterrupt\n", encoding="utf-8")

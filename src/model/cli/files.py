@@ -33,11 +33,20 @@ def check_file(path: Path, option: str, extensions: Sequence[str]) -> None:
     if path.suffix.lower().lstrip(".") not in extensions:
         one = "in" if len(extensions) == 1 else "in one of"
         raise ValueError(f"{option} {path}: must end {one} .{', .'.join(extensions)}")
+    try:
+        os.lstat(path)
+    except (FileNotFoundError, NotADirectoryError):
+        pass
+    except OSError as error:  # such as a name that is too long
+        raise ValueError(f"{option} {path}: {error.strerror}") from None
     if not path.parent.is_dir():
         raise ValueError(f"{option} {path}: the folder {path.parent} does not exist")
     if path.is_dir():
         raise ValueError(f"{option} {path}: is a folder, must be a file")
-    if not os.access(path if path.exists() else path.parent, os.W_OK):
+    real = path.resolve()
+    if not real.parent.is_dir():
+        raise ValueError(f"{option} {path}: a link into {real.parent}, which does not exist")
+    if not all(os.access(each, os.W_OK) for each in (real, real.parent) if each.exists()):
         raise ValueError(f"{option} {path}: cannot be written, permission denied")
     if "nc" in extensions:
         check_encoding(path)

@@ -51,6 +51,8 @@ class _Parser(argparse.ArgumentParser):
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command; the exit code is 0 done, 1 failed, 2 bad input, 130 interrupted."""
+    os.environ["MPLBACKEND"] = "agg"  # files are drawn by it; that of a notebook fails here
+    _open_streams()
     if isinstance(sys.stdout, io.TextIOWrapper):  # a terminal that cannot show τ gets a ? for it
         sys.stdout.reconfigure(errors="replace")
     try:
@@ -65,7 +67,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         remedy = "pip install 'vibralign[study]'"
         return _failed(REFUSED, f"needs {missing.name}, which is not installed: {remedy}")
     except KeyboardInterrupt:
-        print("vibralign: interrupted", file=sys.stderr)
+        with contextlib.suppress(OSError):
+            print("vibralign: interrupted", file=sys.stderr)
         return INTERRUPTED
     except BrokenPipeError:  # `vibralign … | head`: nobody reads a message
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -82,8 +85,17 @@ def main(argv: Sequence[str] | None = None) -> int:
         return FAILED
 
 
+def _open_streams() -> None:
+    """Open the null device for standard streams that are closed, in which files would else land."""
+    for name in ("stdin", "stdout", "stderr"):
+        if getattr(sys, name) is None:
+            number = os.open(os.devnull, os.O_RDWR)  # the lowest that is free
+            setattr(sys, name, os.fdopen(number, "r" if name == "stdin" else "w"))
+
+
 def _failed(code: int, words: object) -> int:
-    print(f"vibralign: error: {words}", file=sys.stderr)
+    with contextlib.suppress(OSError):  # also standard error may be full
+        print(f"vibralign: error: {words}", file=sys.stderr, flush=True)
     return code
 
 

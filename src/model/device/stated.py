@@ -1,7 +1,7 @@
 """Devices in SI units, read from YAML files: quantities, tolerances, base, free ranges, limits."""
 
 import math
-from collections.abc import Hashable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -19,7 +19,7 @@ from model.physics.rest import Start
 from model.physics.tables import Value, vars_of
 from model.physics.units import UNITS, Device, Units, device
 from model.runs.settings import Settings
-from model.sweeps.files import read_text
+from model.sweeps import files
 
 # Upper limits that a design may have to keep: meaning and SI unit.
 LIMITS: Mapping[str, tuple[str, str]] = {
@@ -270,34 +270,20 @@ def unit_of(name: str) -> str:
     return (UNITS | FIELDS)[name].quantity.unit if name not in BASE else BASE[name][1]  # type: ignore[operator]
 
 
-class _Loader(yaml.SafeLoader):
-    """Loader of YAML that leaves numbers as text and refuses a key given twice.
-
-    For YAML 050 is 40, and 1:30 is 90.
-    """
+class _Loader(files.Loader):  # type: ignore[misc]
+    """Loader of YAML that leaves numbers as text: for YAML 050 is 40, and 1:30 is 90."""
 
     yaml_implicit_resolvers = {  # noqa: RUF012 - never changed
         first: [each for each in resolvers if each[0].rpartition(":")[2] in {"bool", "null"}]
         for first, resolvers in yaml.SafeLoader.yaml_implicit_resolvers.items()
     }
 
-    def construct_mapping(self, node: Any, deep: bool = False) -> dict[Hashable, Any]:
-        seen: set[object] = set()
-        for key, _ in node.value:
-            name = self.construct_object(key, deep=True)
-            if name in seen:
-                raise DeviceError(f"{name}: given twice")
-            seen.add(name)
-        return super().construct_mapping(node, deep)
-
 
 def _mapping(path: Path) -> dict[str, Any]:
     try:
-        mapping = yaml.load(read_text(path), _Loader)  # noqa: S506 - a SafeLoader
+        mapping = files.parse_yaml(files.read_text(path), _Loader)
     except OSError as error:
         raise DeviceError(f"{path}: cannot be read: {error.strerror}") from None
-    except DeviceError as error:
-        raise DeviceError(f"{path}: {error}") from None
     except (ValueError, yaml.YAMLError, TypeError) as error:
         reason = " ".join(str(error).split())
         raise DeviceError(f"{path}: cannot be read as YAML: {reason}") from None

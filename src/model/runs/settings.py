@@ -101,8 +101,8 @@ class Settings(Value):
             raise ValueError(f"horizon = {self.horizon!r}: must be a finite number > 0")
         if not 1e-14 <= self.tolerance <= 1e-2:
             raise ValueError(f"tolerance = {self.tolerance!r}: must be between 1e-14 and 1e-2")
-        if self.max_evaluations < 1:
-            raise ValueError(f"max_evaluations = {self.max_evaluations!r}: must be >= 1")
+        if not 1 <= self.max_evaluations < math.inf:
+            raise ValueError(f"max_evaluations = {self.max_evaluations!r}: must be finite and >= 1")
 
     @property
     def success(self) -> Outcome:

@@ -3,6 +3,7 @@
 import codecs
 import contextlib
 import json
+import re
 import secrets
 import sys
 from collections.abc import Iterator, Mapping
@@ -16,19 +17,24 @@ import yaml
 def atomic_write(target: Path) -> Iterator[Path]:
     """Yield the path of a temporary file, which replaces ``target`` when the block ends.
 
-    If the block raises, ``target`` stays as it was and the temporary file is removed.
+    If the block raises, ``target`` stays as it was and the temporary file is removed. A link stays
+    a link: what it points to is replaced.
 
     Raises:
-        OSError: the folder cannot be created or written.
+        OSError: the folder cannot be created or written; it names ``target``.
     """
-    target.parent.mkdir(parents=True, exist_ok=True)
-    part = target.with_name(f".{target.name}-{secrets.token_hex(4)}.part")
-    part.touch(mode=0o666, exist_ok=False)  # less what the umask withholds
+    real = target.resolve() if target.is_symlink() else target
+    part = real.with_name(f".{secrets.token_hex(8)}.part")  # also beside the longest name
     try:
+        real.parent.mkdir(parents=True, exist_ok=True)
+        part.touch(mode=0o666, exist_ok=False)  # less what the umask withholds
         yield part
-        part.replace(target)
-    except BaseException:
-        part.unlink(missing_ok=True)
+        part.replace(real)
+    except BaseException as error:
+        with contextlib.suppress(OSError):
+            part.unlink(missing_ok=True)
+        if isinstance(error, OSError) and error.filename in (None, part, str(part)):
+            raise OSError(error.errno, error.strerror or str(error), str(target)) from None
         raise
 
 
@@ -62,9 +68,52 @@ def read_text(path: Path) -> str:
         raise ValueError(f"line {line} is not UTF-8 text: save the file as UTF-8") from None
 
 
-def parse_yaml(text: str) -> Any:
-    """Return what a YAML text states, by libyaml where it is there: in a seventh of the time."""
-    return yaml.load(text, getattr(yaml, "CSafeLoader", yaml.SafeLoader))  # noqa: S506 - both safe
+# By libyaml where it is there: in a seventh of the time.
+Loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+_MISREAD = re.compile(r"[-+]?0[0-7_]+|[-+]?\d+(?::[0-5]?\d)+(?:\.\d*)?")  # 050 is 40, 1:30 is 90
+
+
+def parse_yaml(text: str, loader: Any = Loader) -> Any:
+    """Return what a YAML text states.
+
+    Raises:
+        ValueError: it is no YAML, states a key twice, or has a number that YAML takes for another.
+    """
+    reader = loader(text)
+    try:
+        node = reader.get_single_node()
+        _check(node)
+        return None if node is None else reader.construct_document(node)
+    except yaml.MarkedYAMLError as error:
+        line = error.problem_mark.line if error.problem_mark else 0
+        if "\t" not in "".join(text.splitlines()[line : line + 1]):
+            raise
+        words = "has a tab, which YAML refuses: write spaces"
+        raise ValueError(f"line {line + 1} {words}") from None
+    finally:
+        reader.dispose()
+
+
+def _check(node: Any) -> None:
+    """Refuse keys given twice, and numbers of base 8 or 60."""
+    if isinstance(node, yaml.ScalarNode):
+        if node.tag.endswith((":int", ":float")) and _MISREAD.fullmatch(node.value):
+            line = node.start_mark.line + 1
+            raise ValueError(
+                f"line {line}: YAML takes {node.value} for a number of base 8 or 60: write a "
+                "decimal number, without zeros before it"
+            )
+    elif isinstance(node, yaml.MappingNode):
+        seen = set()
+        for key, value in node.value:
+            name = str(key.value)
+            if name in seen:
+                raise ValueError(f"line {key.start_mark.line + 1}: {name}: given twice")
+            seen.add(name)
+            _check(value)
+    elif node is not None:
+        for each in node.value:
+            _check(each)
 
 
 def write_text(text: str, path: Path) -> None:

@@ -1,5 +1,6 @@
 """Datasets of the study on disk: their attributes, and how they are written and read."""
 
+import errno
 import json
 import math
 from collections.abc import Mapping, Sequence
@@ -175,7 +176,12 @@ def write_dataset(dataset: xr.Dataset, path: Path) -> None:
     for variable in stored.variables.values():
         variable.attrs = as_characters(variable.attrs)
     with atomic_write(path) as part:
-        stored.to_netcdf(part, engine="netcdf4", format="NETCDF4", encoding=encoding)
+        try:
+            stored.to_netcdf(part, engine="netcdf4", format="NETCDF4", encoding=encoding)
+        except (OSError, RuntimeError) as error:  # "HDF error" and the like: ask the system why
+            with part.open("ab") as stream:
+                stream.write(bytes(2**20))
+            raise OSError(errno.EIO, str(error), str(path)) from None
 
 
 def as_characters(attributes: Mapping[Any, Any]) -> dict[Any, Any]:

@@ -11,7 +11,9 @@ Only Snakemake's main process writes the history, so that no two processes write
 """
 
 import fcntl
+import fnmatch
 import json
+import os
 import shutil
 import time
 from collections.abc import Mapping, Sequence, Set
@@ -68,10 +70,20 @@ def iso(moment: datetime) -> str:
 
 
 def _files(root: Path, pattern: str) -> list[Path]:
-    """Return the matching files of a results root, sorted; another root inside it is left out."""
-    within = (history.parent for history in root.glob("*/**/history"))
-    apart = (root / "history", root / "logs", *within)
-    found = (path for path in root.rglob(pattern) if not any(map(path.is_relative_to, apart)))
+    """Return the matching files of a results root, sorted; another root inside it is left out.
+
+    Folders that are links, such as to another disk, are followed.
+    """
+    found, seen = [], set()
+    for folder, inside, names in os.walk(root, followlinks=True):
+        here = Path(folder)
+        if here == root:
+            inside[:] = set(inside) - {"history", "logs"}
+        elif "history" in inside or here.resolve() in seen:
+            inside.clear()
+            continue
+        seen.add(here.resolve())
+        found += [here / name for name in fnmatch.filter(names, pattern)]
     return sorted(found)
 
 
@@ -87,25 +99,46 @@ def sidecars(root: Path) -> dict[Path, Record]:
     }
 
 
-def discard_damaged(root: Path) -> list[str]:
-    """Delete damaged results, so that Snakemake makes them anew; return their names.
+def _beside(sidecar: Path, name: str) -> Path:
+    """Return the path of an output, such as ../benchmarks/a.csv; ``..`` does not follow links."""
+    return Path(os.path.normpath(sidecar.parent / name))
+
+
+def set_aside_damaged(root: Path, invocation: str) -> list[str]:
+    """Move damaged results to history/INVOCATION/, so that Snakemake makes them anew; return names.
 
     A result is damaged if its hash differs from the one in its sidecar, a sidecar if it cannot be
-    read. Temporary files of killed jobs are deleted too. No job may run meanwhile.
+    read. Temporary files of killed jobs are deleted. No job may run meanwhile.
     """
-    damaged = _files(root, ".*.part")
+    damaged, temporary = [], _files(root, ".*.part")
     for path in _files(root, "*.run.json"):
         try:
             outputs = {**read_record(path).get("outputs", {})}
         except (TrackingError, TypeError):
             damaged.append(path)
             continue
-        made = {path.parent / name: sha256 for name, sha256 in outputs.items()}
+        made = {_beside(path, name): sha256 for name, sha256 in outputs.items()}
         wrong = [file for file, sha in made.items() if file.is_file() and file_hash(file) != sha]
         damaged += [*wrong, path] if wrong else []
     for path in damaged:
+        kept = root / "history" / invocation / os.path.relpath(path, root).replace("..", "_")
+        kept.parent.mkdir(parents=True, exist_ok=True)
+        shutil.move(path, kept)
+    for path in temporary:
         path.unlink(missing_ok=True)
-    return [str(path) for path in damaged]
+    return [str(path) for path in [*damaged, *temporary]]
+
+
+def end_the_future(root: Path) -> list[str]:
+    """Set files that a wrong clock has dated in the future to now; return their names.
+
+    Snakemake fails each job that has such an input.
+    """
+    now = time.time()
+    found = [path for path in _files(root, "*") if path.stat().st_mtime > now]
+    for path in found:
+        os.utime(path, (now, now))
+    return [str(path) for path in found]
 
 
 # --- Runs that left no sidecar ------------------------------------------------------------------
@@ -174,8 +207,8 @@ def invocation_records(root: Path) -> list[Record]:
 def is_running(root: Path, invocation: str) -> bool:
     """Return whether an invocation runs: its process then holds its lock."""
     try:
-        with history_file(root, invocation, "lock").open("r+", encoding="utf-8") as lock:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        with history_file(root, invocation, "lock").open(encoding="utf-8") as lock:
+            fcntl.flock(lock, fcntl.LOCK_SH | fcntl.LOCK_NB)
     except BlockingIOError:
         return True
     except FileNotFoundError:

@@ -23,17 +23,18 @@ from model.tracking import TrackingError
 from model.tracking.history import (
     Record,
     completed,
-    discard_damaged,
+    end_the_future,
     history_file,
     invocation_records,
     is_running,
     iso,
+    set_aside_damaged,
     write_index,
 )
-from model.tracking.job import INVOCATION, git_state, lock_folder, versions
+from model.tracking.job import INVOCATION, git_state, lock_folder, say, versions
 from model.tracking.slurm import refuse_held_jobs
 
-_PATIENCE = 5.0  # seconds: a process that was just killed may hold its lock for a moment
+PATIENCE = 5.0  # seconds: a process that was just killed may hold its lock for a moment
 
 
 class Invocation:
@@ -53,7 +54,7 @@ class Invocation:
         self._holds_folder = False
 
     def recover(self, patience: float = 0.0) -> None:
-        """Lock the folder for this invocation, and delete results damaged by an interruption.
+        """Lock the folder for this invocation, and set aside results damaged since they were made.
 
         Raises:
             TrackingError: another Snakemake runs here, or Slurm holds jobs of this folder.
@@ -63,14 +64,18 @@ class Invocation:
         refuse_held_jobs(Path.cwd())
         lock_folder(self.name, patience)
         self._holds_folder = True
-        for name in discard_damaged(self.root):
-            sys.stderr.write(
-                f"{name}: not as its job left it: deleted, and made anew where it is asked for\n"
-            )
+        try:
+            for name in set_aside_damaged(self.root, self.name):
+                kept = self.root / "history" / self.name
+                say(f"{name}: not as its job left it: moved to {kept}, made anew where asked for")
+            for name in end_the_future(self.root):
+                say(f"{name}: was dated in the future: set to now")
+        except OSError as error:
+            raise TrackingError(f"results cannot be checked: {error}: mend that first") from None
 
     def start(self) -> None:
         """Lock the folder and record the start of this invocation."""
-        self.recover(_PATIENCE)
+        self.recover(PATIENCE)
         self.record()
 
     def record(self) -> None:
@@ -133,7 +138,7 @@ def _or_say(consequence: str) -> Iterator[None]:
     try:
         yield
     except (OSError, TrackingError) as error:
-        sys.stderr.write(f"vibralign: {consequence}: {error}\n")
+        say(f"vibralign: {consequence}: {error}")
 
 
 def _write_end(root: Path, record: Record, outcome: str, ended: datetime | None) -> list[Record]:
@@ -155,7 +160,8 @@ logger: Any = None
 def begin(config: Mapping[str, Any]) -> Invocation:
     """Return the invocation of this process; the Snakefile calls this with its configuration.
 
-    If the folder cannot be locked now, nothing is refused yet: ``start`` refuses if there are jobs.
+    Raises:
+        TrackingError: results are to be deleted while another Snakemake runs here.
     """
     if shlex.quote(sys.executable) != sys.executable:  # Snakemake's shell commands set no quotes
         interpreter = Path(sys.executable)
@@ -166,7 +172,8 @@ def begin(config: Mapping[str, Any]) -> Invocation:
     if logger is not None:
         logger.invocation = invocation
         os.environ[INVOCATION] = invocation.name
-        if not logger.plans:
-            with contextlib.suppress(TrackingError):
-                invocation.recover()
+        # An option that deletes results begins so; Snakemake itself does not look for a run.
+        if not logger.plans and any(word.startswith("--delete-") for word in sys.argv):
+            invocation.recover()  # refused while another runs
+    os.environ["MPLBACKEND"] = "agg"  # that of a notebook draws no files
     return invocation

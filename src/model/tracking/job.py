@@ -136,6 +136,12 @@ def write_sidecar(
     write_json(content, record)
 
 
+def say(words: str) -> None:
+    """Write a line to standard error, if it is open."""
+    if sys.stderr is not None:
+        sys.stderr.write(f"{words}\n")
+
+
 def named(run: str) -> dict[str, str | None]:
     """Return the name of a run with the rule and the figure in it."""
     figure = re.search(r"/(fig\d\d)", run)
@@ -170,11 +176,16 @@ def git_state() -> dict[str, Any]:
     def git(*arguments: str) -> str:
         # Without the option, a status writes git's index under a lock. A killed job would leave the
         # lock behind, and git would refuse to work in the checkout.
-        command = ["git", "--no-optional-locks", "-C", str(_PACKAGE.parent), *arguments]
-        return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
+        # A checkout of another owner, as in a container, is asked too: its code runs here anyway.
+        trusted = "--no-optional-locks", "-c", "safe.directory=*", "-C", str(_PACKAGE.parent)
+        own = {name: value for name, value in os.environ.items() if not name.startswith("GIT_")}
+        command = ["git", *trusted, *arguments]
+        asked = subprocess.run(command, capture_output=True, text=True, check=True, env=own)
+        return asked.stdout.strip()
 
+    changes = "status", "--porcelain", "--", ":(top)", ":(top,exclude)results*"
     try:
-        return {"commit": git("rev-parse", "HEAD"), "dirty": bool(git("status", "--porcelain"))}
+        return {"commit": git("rev-parse", "HEAD"), "dirty": bool(git(*changes))}
     except (OSError, subprocess.CalledProcessError):
         return {}
 
@@ -232,7 +243,7 @@ def lock_folder(name: str, patience: float) -> None:
         try:
             fcntl.flock(jobs, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
-            sys.stderr.write("waiting for jobs of an interrupted run to end\n")
+            say("waiting for jobs of an interrupted run to end")
             fcntl.flock(jobs, fcntl.LOCK_EX)
 
 

@@ -95,6 +95,19 @@ class Page:
         while not self._loaded:
             self._next()
 
+    def scripts(self, allowed: bool) -> None:
+        """Switch the scripts of pages on or off, those of ``evaluate`` apart."""
+        self._call("Emulation.setScriptExecutionDisabled", value=not allowed)
+
+    @contextlib.contextmanager
+    def beginning_with(self, script: str) -> Iterator[None]:
+        """Run ``script`` before those of every page that is opened in the block."""
+        added = self._call("Page.addScriptToEvaluateOnNewDocument", source=script)
+        try:
+            yield
+        finally:
+            self._call("Page.removeScriptToEvaluateOnNewDocument", identifier=added["identifier"])
+
     def evaluate(self, expression: str) -> Any:
         """Return the value of JavaScript in the page, after its promise is kept.
 

@@ -2,6 +2,7 @@
 
 import json
 import shlex
+import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -117,3 +118,35 @@ def test_a_horizon_in_seconds_holds_in_other_units_of_time(started, tmp_path, na
     end = "explorer.run.track.time.at(-1) * scaleOf(MODEL.time, explorer.state.values)"
     assert started.evaluate(end) == pytest.approx(seconds, rel=1e-12)
     assert started.errors == []
+
+
+@pytest.mark.parametrize(
+    ("script", "words"),
+    [
+        ("delete window.WebAssembly", "runs no WebAssembly here: no runs are computed"),
+        ("WebAssembly.instantiate = () => Promise.reject(new Error('policy'))", "(policy)"),
+        ("delete window.DecompressionStream", "no runs are computed"),
+        ("window.Worker = function () { throw new Error('none'); }", "starts no Worker: no map is"),
+    ],
+)
+def test_what_a_browser_does_not_allow_is_said(started, device_urls, script, words):
+    with started.beginning_with(script):
+        started.open(device_urls["peg"])
+        started.wait_for("document.getElementById('stuck')?.textContent")
+        assert words in started.text("stuck")
+        assert started.evaluate("document.getElementById('p-press_force').value") == "10"
+    started.show(device_urls["peg"])
+    assert started.text("stuck") == ""
+
+
+def test_without_scripts_a_page_says_so_and_shows_the_device(started, device_urls):
+    started.scripts(allowed=False)
+    try:
+        started.open(device_urls["peg"])
+        while "needs JavaScript" not in (shown := started.evaluate("document.body.innerText")):
+            time.sleep(0.05)
+        assert "which is off or not allowed here" in shown
+        assert "initial pressing force\t10\tN" in shown
+        assert "Copy link" not in shown  # no control that does nothing
+    finally:
+        started.scripts(allowed=True)

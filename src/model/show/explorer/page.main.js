@@ -233,7 +233,13 @@ function stepEvent(way) {
 
 // ---------------------------------------------------------------- start
 
+/** Say what does not work here. @param {string} what @param {unknown} error */
+function stuck(what, error) {
+  element("stuck").textContent = `${what} (${error instanceof Error ? error.message : "blocked"}). The command vibralign computes them.`;
+}
+
 async function start() {
+  element("unscripted").remove();
   element("gradient").style.background = `linear-gradient(90deg, ${CIVIDIS.map((each) => `rgb(${each.join(",")})`).join(", ")})`;
   makeControls();
   listen();
@@ -247,18 +253,22 @@ async function start() {
     rerun();
   } else {
     for (const [name, each] of Object.entries(MODEL.maps)) stored[name] = Object.assign(await storedMap(each), { values: /** @type {any} */ (each).values });
-    const binary = await unpacked(MODEL.modules.run_one);
-    runner = new Runner(await engineOf(binary, "run_one", about), binary, MODEL);
-    rerun();
-    mapper = new Mapper(await unpacked(MODEL.modules.run_many), about, MODEL.worker, (found, done) => {
-      map = found;
-      if (done && !measured.map) measured.map = performance.now() - mapStarted;
-      if (!mapFrame) mapFrame = requestAnimationFrame(() => { mapFrame = 0; drawWholeMap(); });
-    });
+    try {
+      const binary = await unpacked(MODEL.modules.run_one);
+      runner = new Runner(await engineOf(binary, "run_one", about), binary, MODEL);
+      rerun();
+      mapper = new Mapper(await unpacked(MODEL.modules.run_many), about, MODEL.worker, (found, done) => {
+        map = found;
+        if (done && !measured.map) measured.map = performance.now() - mapStarted;
+        if (!mapFrame) mapFrame = requestAnimationFrame(() => { mapFrame = 0; drawWholeMap(); });
+      });
+    } catch (error) {
+      stuck(`This browser ${runner ? "starts no Worker: no map is" : "runs no WebAssembly here: no runs are"} computed`, error);
+    }
     remap();
   }
   Object.assign(window, { explorer: { measured, get state() { return state; }, get run() { return run; }, get map() { return map; }, seek } });
   if (!state.time && !matchMedia("(prefers-reduced-motion: reduce)").matches) play(true);
 }
 
-start();
+start().catch((error) => stuck("The page cannot show all that it holds", error));

@@ -104,6 +104,7 @@ class Mapper {
   hire() {
     const worker = new Worker(this.url);
     worker.onmessage = (message) => this.receive(worker, message.data);
+    worker.onerror = (error) => stuck("This browser starts no Worker here: no map is computed", error);
     worker.postMessage({ binary: this.binary, about: this.about, name: "run_many" });
   }
 

@@ -42,6 +42,7 @@ def build_page(model: Mapping[str, Any], modules: Modules | None) -> str:
     parts = {
         "title": html.escape(model["title"]),
         "footer": html.escape(model["footer"]),
+        "unscripted": _unscripted(model),
         "style": _text("page.css"),
         "model": stated.replace("</", "<\\/"),
         "script": "\n".join(_text(f"page.{name}.js") for name in SCRIPTS),
@@ -50,6 +51,24 @@ def build_page(model: Mapping[str, Any], modules: Modules | None) -> str:
     for name, text in parts.items():
         page = page.replace(f"@{name}@", text)
     return page
+
+
+def _unscripted(model: Mapping[str, Any]) -> str:
+    """Return what stands in the page until its scripts run, where they may: outcome and values."""
+    lines = ["This page needs JavaScript, which is off or not allowed here. Its device:"]
+    if "run" in model:
+        outcome = model["outcomes"][int(model["run"]["results"]["outcome"])]
+        lines[0] = f"{lines[0].partition(' Its')[0]} Of its run: {outcome}."
+    values = model["baseline"]
+    cells = (
+        (each["words"], f"{values[each['name']]:.4g}", each["si"])
+        for each in model["parameters"]
+        if values[each["name"]] is not None
+    )
+    rows = ("".join(f"<td>{html.escape(cell)}</td>" for cell in row) for row in cells)
+    return (
+        f"<p>{html.escape(lines[0])}</p><table>{''.join(f'<tr>{row}</tr>' for row in rows)}</table>"
+    )
 
 
 def run_page(model: Mapping[str, Any], run: Trace) -> str:

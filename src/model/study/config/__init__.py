@@ -14,6 +14,7 @@ from model.study.config.figures import (
 )
 from model.study.config.load import (
     baseline,
+    check_files,
     check_study,
     load_study,
     read_study,
@@ -24,6 +25,6 @@ from model.study.config.study import Study
 
 __all__ = [
     "COMPUTED", "CURVES", "FIGURES", "GRIDDED", "HISTORIES", "MAPS", "SCHEMATICS", "ConfigError",
-    "Curves", "Map", "Study", "baseline", "check_study", "load_study", "read_study", "study_files",
-    "study_path",
+    "Curves", "Map", "Study", "baseline", "check_files", "check_study", "load_study", "read_study",
+    "study_files", "study_path",
 ]  # fmt: skip

@@ -1,7 +1,8 @@
 """Reads the configuration, and words a fault as a line: path of the key, value and rule."""
 
 import difflib
-from collections.abc import Mapping, Sequence
+import re
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from types import UnionType
 from typing import Annotated, Any, Union, get_args, get_origin
@@ -55,6 +56,10 @@ def _line(error: Mapping[str, Any]) -> str:
         return f"{path}: missing"
     value = error["input"]
     if error["type"] in {"int_type", "float_type"} and isinstance(value, str):
+        if number := re.fullmatch(r"([-+]?\d+)(\.\d*)?[eE]([-+]?)(\d+)", value):
+            whole, part, sign, power = (each or "" for each in number.groups())
+            written = f"{whole}{part or '.0'}e{sign or '+'}{power}"
+            return f"{path} = {value!r}: is text for YAML: write {written}"
         words = (
             "is text, must be a number; Snakemake makes text of all that stands in braces after "
         )
@@ -112,6 +117,16 @@ def read_study(path: Path) -> dict[str, Any]:
                 raise ConfigError(f"{file}: must state {file.stem!r}, and no other key at the top")
             mapping |= section
     return mapping
+
+
+def check_files(paths: Iterable[Path | str]) -> None:
+    """Refuse files in which Snakemake reads what is not meant, such as the last of two keys.
+
+    Raises:
+        ConfigError: as ``read_study``.
+    """
+    for path in paths:
+        _mapping(Path(path))
 
 
 def load_study(path: Path) -> Study:
