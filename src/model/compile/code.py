@@ -46,7 +46,7 @@ PYTHON_KINDS = {BOOLEAN: bool, INTEGER: int, DOUBLE: float}
 
 
 class Declarations:
-    """What the functions of a module share: constants, functions elsewhere, loops over lanes.
+    """Parts that the functions of a module share: constants, functions elsewhere, loops over lanes.
 
     Attributes:
         contract: whether a product and a sum may become one operation.

@@ -40,7 +40,7 @@ from model.compile.values import (
 from model.compile.vector_code import VectorFunction
 
 COMPILES = os.environ.get("VIBRALIGN_NO_COMPILATION", "0") in ("", "0")
-"""Whether kernels are compiled. With ``VIBRALIGN_NO_COMPILATION=1`` they run as Python."""
+"""True if kernels are compiled. With ``VIBRALIGN_NO_COMPILATION=1`` they run as Python."""
 
 _FORMATS = {DOUBLE: "d", INTEGER: "q", BOOLEAN: "q", POINTER: "Q"}
 _BOOL, _INT, _FLOAT = Number(BOOLEAN), Number(INTEGER), Number(DOUBLE)

@@ -15,7 +15,7 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 @dataclass(frozen=True)
 class Marks:
-    """What a decorator says of a kernel.
+    """Marks that a decorator sets on a kernel.
 
     Attributes:
         inlined: it becomes part of the code of its callers.

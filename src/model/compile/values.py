@@ -24,7 +24,7 @@ _ELEMENTS = {np.dtype(np.float64): DOUBLE, np.dtype(np.int64): INTEGER}
 
 
 class SubsetError(Exception):
-    """What a kernel may not do, and what to write instead.
+    """Refusal of what a kernel may not do, with what to write instead.
 
     Attributes:
         problem, remedy: both in words.

@@ -132,10 +132,7 @@ class StatedDevice(Value):
         kept = {name: v for name, v in self.quantities.items() if name not in replaced}
         stated = None if "materials" in replaced else self.materials
         pair = None if stated is None else pair_of(stated)
-        quantities = with_damping({**kept, **changes})
-        if CENTRE in quantities:
-            quantities["half_height"] = quantities.pop(CENTRE)
-        return with_base(quantities, pair, self.shape)
+        return with_base(_of_holder_and_part({**kept, **changes}), pair, self.shape)
 
     def changed(self, **changes: float | str) -> "StatedDevice":
         """Return the device with other values and the same tolerances.
@@ -200,6 +197,14 @@ class StatedDevice(Value):
         return [*self.notes, *found, *cut_off]
 
 
+def _of_holder_and_part(quantities: Mapping[str, float]) -> dict[str, float]:
+    """Return quantities with dampings in place of ratios, and half_height of centre_height."""
+    found = with_damping(quantities)
+    if CENTRE in found:
+        found["half_height"] = found.pop(CENTRE)
+    return found
+
+
 def _replaced_by(changes: Iterable[str]) -> set[str]:
     """Return the quantities from which those in ``changes`` would be computed."""
     from_others = {
@@ -245,10 +250,8 @@ def load_device(path: Path | str, changes: Mapping[str, object] | None = None) -
             if mapping.get(name) is not None:
                 check_name(str(mapping[name]), get_args(kind), name)
         # Refuses unknown and missing quantities, before anything is computed from them.
-        known = with_damping({n: v for n, v in stated.quantities.items() if n not in BASE})
-        if CENTRE in known:
-            known["half_height"] = known.pop(CENTRE)
-        device(known)
+        known = {n: v for n, v in stated.quantities.items() if n not in BASE}
+        device(_of_holder_and_part(known))
         stated.admitted({})
         _check_tolerances(stated)
     except ValueError as error:

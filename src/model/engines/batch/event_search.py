@@ -218,7 +218,7 @@ def _all_fall_from_zero(before, after, on_event):
 
 @inlined_kernel
 def _beginning(partial, count, left, before, after):
-    """How a level begins in a part: (it may cross zero downward in it, it begins at zero).
+    """Return how a level begins in a part: (it may cross zero downward in it, it begins at zero).
 
     A level that rises from below zero does not cross. Nor does one that begins at zero and does not
     fall: in the first part or, if its quantities are several, which are places, in the first

@@ -102,7 +102,7 @@ class LaneEvents:
 
     @property
     def identity(self) -> str:
-        """What code for lanes depends on."""
+        """Names and numbers on which code for lanes depends."""
         return f"lanes of {identity_of(self.events)}, {self.series.identity}"
 
     @property
