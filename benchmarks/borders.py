@@ -27,7 +27,7 @@ Floats = NDArray[np.float64]
 
 def scan(device: Parameters, name: str, count: int) -> Batch:
     """Return ``count`` sets with a parameter from half its value to twice, in equal ratios."""
-    value = device.given()[name]
+    value: float = getattr(device, name)
     return Batch.of(device, **{name: value * np.geomspace(0.5, 2.0, count)})
 
 
