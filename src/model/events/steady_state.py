@@ -163,13 +163,14 @@ def _no_event_follows(events, count, n, reach, lowest, p):
 
 
 @kernel
-def _shortest_period(count, n, gap, before, states, noise):
+def _shortest_period(count, n, d0, d1, states, noise):
     """Return the shortest divisor of ``n`` that may be the period of the steady state.
 
     A transient that turns as it decays may contract over n periods only. States of one phase of the
-    cycle then differ by no more than what is left of the transient now and n periods ago; ``gap``
-    and ``before`` are the differences over n periods.
+    cycle then differ by no more than what is left of the transient now and n periods ago; ``d0``
+    and ``d1`` are the last differences over n periods.
     """
+    gap, before = _largest(d0), _largest(d1)
     contraction = gap / before if before > noise else 0.0
     admitted = (max(gap, noise) + max(before, noise)) / (1.0 - contraction)
     for divisor in range(1, n):
@@ -194,5 +195,5 @@ def settled_period(events, count, period, states, lowest, p, noise):
         d2 = _difference(count - 2 * n, n, states)
         reach, contracts = _reach(d0, d1, d2, _LASTING / (n * period), noise)
         if contracts and _no_event_follows(events, count, n, reach, lowest, p):
-            return _shortest_period(count, n, _largest(d0), _largest(d1), states, noise)
+            return _shortest_period(count, n, d0, d1, states, noise)
     return 0

@@ -21,6 +21,10 @@ from model.physics.variants import Variants
 SCENES: dict[str, Scene] = {scene.name: scene for scene in (ALIGNMENT, INSERTION)}
 """Scenes that devices and maps may ask for, by name."""
 
+# Largest tolerance from which the noise of settling follows: at looser ones a creep towards
+# alignment would count as noise.
+_SETTLING = 1e-8
+
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Settings(Value):
@@ -133,7 +137,7 @@ class Settings(Value):
         return Control(
             float(self.horizon),
             int(self.max_evaluations),
-            NOISE * self.tolerance if self.may_settle else 0.0,
+            NOISE * min(self.tolerance, _SETTLING) if self.may_settle else 0.0,
             float(self.alignment_only),
             float(self.start == "pressed"),
         )
