@@ -15,7 +15,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
-from model import Batch, Outcome, Settings, load_device, simulate
+from model import Batch, Outcome, Settings, load_device, reliable_at, simulate
 from model.events.outcomes import Unvibrated
 from model.runs.unvibrated import unvibrated
 from model.study.plans import sweep_of
@@ -57,8 +57,10 @@ def example(monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..., Names]]:
     plt.close("all")
 
 
-def test_nine_short_scripts_begin_with_a_title_and_a_sentence():
-    assert [path.name[0] for path in SCRIPTS] == [*"123456789"]
+def test_ten_short_scripts_begin_with_a_title_and_a_sentence():
+    *numbered, last = (path.name for path in SCRIPTS)
+    assert [name[0] for name in numbered] == [*"123456789"]
+    assert last == "round_and_square.py"
     for path in SCRIPTS:
         if path.suffix == ".ipynb":
             cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
@@ -202,3 +204,15 @@ def test_the_study_draws_the_longest_time_of_the_runs_that_align(example):
         "excitation frequency [Hz]",
         "alignment duration [s]",
     )
+
+
+def test_a_round_peg_is_reliable_on_less_of_both_planes_than_a_square_one(example):
+    names = example("round_and_square.py", less={"25.0, 24)": "25.0, 7)", "2.0, 24)": "2.0, 8)"})
+    shares, stated = names["shares"], names["stated"]
+    for across in names["planes"]:
+        assert 0.0 < shares[across, "round"] < shares[across, "square"] < 1.0
+    x, y = np.meshgrid(np.linspace(0.25e-3, 2e-3, 8), np.linspace(1.0, 25.0, 7))
+    far = x.ravel() > names["a"] * np.sqrt(2.0 * names["delta"])
+    given = {"misalignment": x.ravel()[far], "press_force": y.ravel()[far]}
+    hops = given["press_force"] < stated.values["axial_stiffness"] * stated.values["amplitude"]
+    assert not reliable_at(stated, **given)[~hops].any()  # the others stand flat
