@@ -30,7 +30,10 @@ from vibralign import (
 )
 
 SQUARE = Path(__file__).parents[1] / "square"
-PEG, BRASS = SQUARE / "peg.yaml", SQUARE / "devices" / "peg.yaml"  # the second with base and tolerances
+PEG, BRASS = (
+    SQUARE / "peg.yaml",
+    SQUARE / "devices" / "peg.yaml",
+)  # the second with base and tolerances
 QUICK = Settings(tolerance=1e-7)
 STARTS = [{"phase": 0.0, "initial_tilt": 0.001}]
 
