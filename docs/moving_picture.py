@@ -21,7 +21,7 @@ from model.show import style
 # Of the frames HELD show the end; PAUSE milliseconds from one to the next.
 FRAMES, HELD, PAUSE = 100, 20, 60
 COLOURS = 24
-SHOWN = 0.14  # seconds
+SHOWN = 0.18  # seconds
 # In mm: half the picture's width, its depth, the height of the holder.
 WIDTH, BELOW, HOLDER = 11.0, 6.0, 48.0
 
@@ -75,9 +75,9 @@ class Panel:
 def main(target: Path) -> None:
     """Write the picture."""
     stated = load_device(Path(__file__).with_name("peg.yaml"), {})
-    device, second = stated.parameters, 1.0 / stated.units.time
+    second = 1.0 / stated.units.time
     settings = Settings(scene=INSERTION, horizon=SHOWN * second, may_settle=False)
-    runs = [simulate(device.replace(frequency=0.0), settings), simulate(device, settings)]
+    runs = [simulate(stated.changed(frequency=0.0), settings), simulate(stated, settings)]
     times = np.minimum(np.arange(FRAMES) / (FRAMES - HELD), 1.0) * SHOWN
 
     with style.context():

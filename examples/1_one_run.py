@@ -12,13 +12,13 @@ from vibralign import INSERTION, load_device, simulate
 
 device = load_device("peg.yaml")
 units = device.units
-run = simulate(device.parameters, scene=INSERTION)
+run = simulate(device, scene=INSERTION)
 print(f"{run.message}; aligned after {1e3 * run.tau_align * units.time:.1f} ms")
 
 time = 1e3 * run.time * units.time
 x, _, tilt = run.state.T[:3]
 forces = {
-    "under the part": run.contact_force * units.force,
+    "under both tips": run.contact_force * units.force,
     "left side": run.side_force * units.force,
     "right side": run.right_force * units.force,
 }

@@ -16,8 +16,8 @@ ENLARGED = 10_000  # the bars, to be seen at all
 device = load_device("peg.yaml")
 press_force = np.linspace(0.8, 2.0, 61) * device.parameters.press_force
 batch = Batch.of(device.parameters, press_force=press_force)
-coarse = align(batch, tolerance=1e-5)
-fine = align(batch, tolerance=1e-12)
+coarse = align(batch, shape=device.shape, tolerance=1e-5)
+fine = align(batch, shape=device.shape, tolerance=1e-12)
 
 newtons, to_ms = press_force * device.units.force, 1e3 * device.units.time
 time, estimated = coarse.tau_align * to_ms, coarse.tau_error * to_ms

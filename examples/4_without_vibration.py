@@ -13,8 +13,8 @@ from vibralign import load_device, simulate
 
 device = load_device("peg.yaml")
 runs = {
-    "vibrated": simulate(device.parameters),
-    "only pressed": simulate(device.parameters.replace(frequency=0.0)),
+    "vibrated": simulate(device),
+    "only pressed": simulate(device.changed(frequency=0.0)),
 }
 
 figure, (across, tilts) = plt.subplots(2, 1, sharex=True, layout="constrained")

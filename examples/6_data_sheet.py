@@ -2,8 +2,8 @@
 A device in SI units from its data sheet
 ========================================
 
-Peg, holder and vibrator stated with their units: with which tilt stiffness the peg aligns, how
-fast, and with which of them it does so from every phase and tilt at touch-down.
+Peg, holder and vibrator stated with their units: with which amplitude of the vibrator the peg
+aligns, how fast, and with which of them it does so from every phase and tilt at touch-down.
 """
 
 import matplotlib.pyplot as plt
@@ -15,15 +15,16 @@ stated = load_device("peg.yaml")
 print(*stated.doubts or ["nothing in the sheet looks doubtful"], sep="\n")
 print(f"contact stiffness from the materials: {stated.values['contact_stiffness']:.3g} N/m")
 
-stiffness = np.linspace(0.05, 1.0, 96)  # N m/rad
-runs = align([stated.at({"tilt_stiffness": value}).parameters for value in stiffness])
+amplitude = np.linspace(0.3e-3, 3e-3, 96)  # m
+runs = align([stated.changed(amplitude=value) for value in amplitude])
 milliseconds = 1e3 * runs.tau_align * stated.units.time
-reliable = reliable_at(stated, tilt_stiffness=stiffness)
+millimetres = 1e3 * amplitude
+reliable = reliable_at(stated, amplitude=amplitude)
 
 figure, axes = plt.subplots(layout="constrained")
-axes.plot(stiffness, milliseconds, "o", markerfacecolor="none", label="from the start of the sheet")
-axes.plot(stiffness[reliable], milliseconds[reliable], "o", label="from every start")
-axes.axvline(stated.quantities["tilt_stiffness"], color="grey", linestyle=":", label="the sheet")
-axes.set(xlabel="tilt stiffness (N m/rad)", ylabel="alignment time (ms)", yscale="log")
+axes.plot(millimetres, milliseconds, "o", mfc="none", label="from the start of the sheet")
+axes.plot(millimetres[reliable], milliseconds[reliable], "o", label="from every start")
+axes.axvline(1e3 * stated.quantities["amplitude"], color="grey", linestyle=":", label="the sheet")
+axes.set(xlabel="amplitude (mm)", ylabel="alignment time (ms)", yscale="log")
 axes.legend()
 plt.show()

@@ -23,7 +23,7 @@ EDITS = {"parameters": (ABOVE, NEW + ABOVE), "forces": (TERM, f"{TERM[:-1]} + p.
 RUN = """import json, model, sys
 for pull in sys.argv[1:]:
     device = model.load_device("peg.yaml", {"side_pull": pull})
-    run = model.simulate(device.parameters, horizon=11.0, tolerance=1e-6)
+    run = model.simulate(device, horizon=11.0, tolerance=1e-6)
     print(json.dumps([run.time.tolist(), run.state[:, 0].tolist()]))"""
 PULLS = ("-0.5 N", "0 N", "0.5 N")
 with tempfile.TemporaryDirectory() as folder:

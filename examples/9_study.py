@@ -2,7 +2,7 @@
 A study in one call
 ===================
 
-How fast the peg aligns over frequency and press force, and where it does so from every phase of the
+How fast the peg aligns over frequency and amplitude, and where it does so from every phase of the
 vibrator: ranges with units in, a dataset with units out, drawn by xarray.
 """
 
@@ -16,7 +16,7 @@ from vibralign import Outcome
 # One call runs all nodes; text has units, numbers are in SI units.
 phases = np.linspace(0.0, 2.0 * np.pi, 8, endpoint=False)
 study = vibralign.sweep(
-    "peg.yaml", frequency="20..120 Hz", press_force="4..30 N", phase=phases, points=24
+    "peg.yaml", frequency="20..120 Hz", amplitude="0.5..3 mm", phase=phases, points=24
 )
 
 # %%

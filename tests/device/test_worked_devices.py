@@ -12,13 +12,13 @@ from model.sweeps.starts import every_start
 
 DEVICES = Path(__file__).resolve().parents[2] / "docs" / "devices"
 STARTS = [{"phase": phase, "initial_tilt": 0.001} for phase in (0.0, 1.6, 3.1, 4.7)]
-QUICK = Settings(horizon=150.0, tolerance=1e-6)
+QUICK = Settings(shape="round", horizon=150.0, tolerance=1e-6)
 
 
 @pytest.mark.parametrize(
     ("name", "stiffness", "shares"),
     # Hertz by hand: 1/E* = Σ(1 - ν²)/E, k = (6 E*² R F)^(1/3); the peg's plate yields besides
-    [("pin", 5.30e4, (1.0, 1.0)), ("peg", 2.33e6, (1.0, 1.0)), ("shaft", 5.77e6, (0.4, 0.95))],
+    [("pin", 4.82e4, (1.0, 1.0)), ("peg", 1.96e6, (1.0, 1.0)), ("shaft", 5.43e6, (0.4, 0.95))],
 )
 def test_a_worked_device_goes_in_on_its_base(name, stiffness, shares):
     stated = load_device(DEVICES / f"{name}.yaml")
@@ -29,7 +29,7 @@ def test_a_worked_device_goes_in_on_its_base(name, stiffness, shares):
     assert shares[0] <= found.share <= shares[1]
 
 
-def test_the_shaft_does_not_go_in_as_it_was_first_set():
-    stated = load_device(DEVICES / "shaft.yaml", {"press_force": "60 N", "frequency": "80 Hz"})
+def test_the_shaft_does_not_go_in_pressed_hard():
+    stated = load_device(DEVICES / "shaft.yaml", {"press_force": "60 N"})
     device = Batch.stack([stated.device.parameters])
     assert not every_start(device, STARTS[:2], QUICK)["goes_in"].any()

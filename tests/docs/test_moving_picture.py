@@ -16,8 +16,8 @@ def test_the_pressed_peg_rests_and_the_vibrated_one_goes_in() -> None:
     stated = load_device(DOCS / "peg.yaml", {})
     horizon = moving_picture.SHOWN / stated.units.time
     settings = Settings(scene=INSERTION, horizon=horizon)
-    assert simulate(stated.parameters, settings).outcome is Outcome.INSERTED
-    pressed = simulate(stated.parameters.replace(frequency=0.0), settings)
+    assert simulate(stated, settings).outcome is Outcome.INSERTED
+    pressed = simulate(stated.changed(frequency=0.0), settings)
     assert pressed.outcome in (Outcome.SETTLED, Outcome.HORIZON_REACHED)
     assert math.isnan(pressed.tau_align)
 

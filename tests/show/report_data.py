@@ -97,12 +97,15 @@ def root(study, datasets, lines, timed_settings, tmp_path_factory):
     for name, dataset in datasets.items():
         write_dataset(dataset, root / f"data/{name}.nc")
     write_dataset(jamming_data(), root / "data/jamming.nc")
+    sweep = sweep_of(study, "fig13_round")
+    if_round = merge(sweep, study.spec_of("fig13_round").title, [run(sweep)])
+    write_dataset(if_round, root / "data/fig13_round.nc")
     (root / "claims.csv").write_text(ledger_text(lines), encoding="utf-8")
     for folder in ("benchmarks", "figures"):
         (root / folder).mkdir()
     measured = settings_table(timed_settings, times=True)
     (root / "benchmarks/precision.csv").write_text(measured, encoding="utf-8")
-    drawn = "claims", "jamming", "fig13_vibration"
+    drawn = "claims", "jamming", "fig13_vibration", "fig13_round"
     places = [f"figures/{name}" for name in (*study.figures, *drawn)]
     for place in (*places, *PICTURES.values()):
         (root / f"{place}.png").write_bytes(PIXEL)

@@ -55,7 +55,7 @@ def test_every_link_inside_the_page_leads_somewhere(rendered):
 
 def test_every_figure_has_its_picture_with_words_for_who_cannot_see_it(rendered, study):
     images = Page(rendered).all("img")
-    assert len(images) == len(study.figures) + len(PICTURES) + 3
+    assert len(images) == len(study.figures) + len(PICTURES) + 4
     others = [spec for name, spec in study.figures.items() if name != HEAD]
     for image, spec in zip(images, [study.figures[HEAD], *others], strict=False):
         assert base64.b64decode(image["src"].partition(",")[2]) == PIXEL

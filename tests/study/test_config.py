@@ -204,3 +204,13 @@ def test_smoke_changes_only_sizes() -> None:
             "structures", "parts", "starts", "rounds", "sets", "trials", "stages",
         },
     }  # fmt: skip
+
+
+def test_the_map_of_a_round_peg_is_fig13_but_for_shape_and_nodes():
+    study = load_study(study_path())
+    plane, round_one = sweep_of(study, "fig13"), sweep_of(study, "fig13_round")
+    assert round_one.settings == plane.settings.model_copy(update={"shape": "round"})
+    assert round_one.parameters == plane.parameters
+    for one, other in zip(round_one.dimensions, plane.dimensions, strict=True):
+        assert (one.parameter, one.start, one.stop) == (other.parameter, other.start, other.stop)
+    assert "shape" not in plane.settings.model_dump()  # the identity of a figure stays

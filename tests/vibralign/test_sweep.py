@@ -29,8 +29,11 @@ from vibralign import (
     yield_of,
 )
 
-DOCS = Path(__file__).parents[2] / "docs"
-PEG, BRASS = DOCS / "peg.yaml", DOCS / "devices" / "peg.yaml"  # the second with base and tolerances
+SQUARE = Path(__file__).parents[1] / "square"
+PEG, BRASS = (
+    SQUARE / "peg.yaml",
+    SQUARE / "devices" / "peg.yaml",
+)  # the second with base and tolerances
 QUICK = Settings(tolerance=1e-7)
 STARTS = [{"phase": 0.0, "initial_tilt": 0.001}]
 
@@ -73,7 +76,7 @@ def varied(rng, own, size):
     return own * rng.choice([1.0, 0.9, 1.03], size)
 
 
-@pytest.mark.parametrize("path", [PEG, *sorted((DOCS / "devices").glob("*.yaml"))], ids=str)
+@pytest.mark.parametrize("path", [PEG, *sorted((SQUARE / "devices").glob("*.yaml"))], ids=str)
 def test_many_devices_at_once_are_those_made_one_by_one(path):
     """What is computed from others follows them, to the bit; a device's own value is no change."""
     stated, rng, size = load_device(path), np.random.default_rng(3), 8

@@ -33,6 +33,7 @@ TINY: dict[str, Any] = {
         "planes": {
             name: {"x": {"count": 3}, "y": {"count": 3}, "chunks": 1}
             for name in (
+                "fig13_round",
                 "press_force_frequency",
                 "friction_press_force",
                 "clearance_misalignment",

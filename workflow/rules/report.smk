@@ -1,11 +1,13 @@
 """The report, one page on the whole study, and the explorer."""
 
+IF_ROUND = [name for name in PLANES if study.spec_of(name).shape == "round"]  # beside the figures
 shown = [
     *(f"figures/{figure}" for figure in FIGURES),
     *PICTURES.values(),
     "figures/claims",
     "figures/jamming",
     *(f"figures/{map}_vibration" for map in WITH_VIBRATION if map in MAPS),
+    *(f"figures/{name}" for name in IF_ROUND),
 ]
 
 
@@ -55,6 +57,7 @@ rule report:
         pictures(*shown),
         expand("<results>/data/{figure}.nc", figure=COMPUTED),
         "<results>/benchmarks/precision.csv",
+        expand("<results>/data/{map}.nc", map=IF_ROUND),
         "<results>/data/jamming.nc",
         "<results>/claims.csv",
     output:

@@ -46,4 +46,6 @@ def sweep_of(study: Study, name: str) -> Sweep:
         return Sweep(kind="history", dimensions=[], **given)
     if isinstance(spec, Curves):
         return Sweep(kind="curves", dimensions=[spec.family, spec.swept], **given)
+    if spec.shape is not None:
+        given["settings"] = study.settings.model_copy(update={"shape": spec.shape})
     return Sweep(kind="map", dimensions=[spec.y, spec.x], ensemble=study.maps.ensemble, **given)

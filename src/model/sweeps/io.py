@@ -113,6 +113,7 @@ def global_attributes(
         "scene": settings.scene.name,
         "start": settings.start,
         **({} if depth is None else {"insertion_depth": depth}),
+        **({} if settings.shape is None else {"shape": settings.shape}),
         "horizon": settings.horizon,
         "tolerance": settings.tolerance,
     }

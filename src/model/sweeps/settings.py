@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from model.physics.parameters import check_name
+from model.physics.parameters import Shape, check_name
 from model.physics.rest import Start
 from model.physics.variants import VARIANT_NAMES, Variants
 from model.runs.settings import SCENES, Settings
@@ -27,6 +27,8 @@ class RunSettings(Strict):
     """Contacts that are modelled; runs of the scene insertion end when the part is inserted."""
     insertion_depth: float | None = Field(default=None, gt=0.0, exclude_if=lambda v: v is None)
     """Depth at which a part counts as inserted; by default half of what the press reaches."""
+    shape: Shape | None = Field(default=None, exclude_if=lambda v: v is None)
+    """Shape of part and hole; by default the paper's, square."""
 
     @model_validator(mode="after")
     def _fit_together(self) -> "RunSettings":

@@ -17,8 +17,8 @@ from model.show.report.section import (
     values_of,
 )
 from model.show.style import Bools, Floats, flagged
-from model.show.words import figure_number, figure_title, percent, power, short
-from model.study.config.figures import COMPUTED, MAPS
+from model.show.words import figure_title, percent, power, short
+from model.study.config.figures import COMPUTED, MAPS, SCHEMATICS
 
 HEAD = MAPS[-1]  # the figure at the head of the page, also in README
 _CODE = Markup("<code>{}</code>")
@@ -73,9 +73,12 @@ def section(results: Results) -> Section:
         ("outcome", "meaning"),
         [(_CODE.format(each.name.lower()), OUTCOME_TEXT[each]) for each in Outcome],
     )
+    study = results.study
+    rounds = [name for name, plane in study.maps.planes.items() if plane.shape == "round"]
+    shown = [*study.figures, *rounds]
     content = {
-        "articles": [article(results, name) for name in results.study.figures if name != HEAD],
-        "entries": [(figure_title(name), name) for name in results.study.figures],
+        "articles": [article(results, name) for name in shown if name != HEAD],
+        "entries": [(figure_title(name), name) for name in study.figures],
         "runs": _glance(counts_of(results)),
         "outcomes": outcomes,
     }
@@ -114,24 +117,25 @@ def _glance(counts: dict[str, Counts]) -> Table:
 def article(results: Results, name: str) -> dict[str, object]:
     """Return what the template prints of one figure."""
     study = results.study
-    spec, caption = study.figures[name], study.figures[name].caption.strip()
+    spec = study.spec_of(name)
+    caption = spec.caption.strip()
+    label = figure_title(name) if name in study.figures else "Further map"
     content: dict[str, object] = {
         "name": name,
-        "number": figure_number(name),
+        "label": label,
         "title": spec.title,
-        "picture": results.picture(
-            f"figures/{name}", caption, f"Figure {figure_number(name)}: {spec.title}. {caption}"
-        ),
+        "picture": results.picture(f"figures/{name}", caption, f"{label}: {spec.title}. {caption}"),
         "files": (),
         "held": "",
         "varied": "",
     }
-    if name not in COMPUTED:
+    if name in SCHEMATICS:
         return content
     dataset = results.dataset(f"data/{name}.nc")
     varied = [str(each) for each in reversed(dataset["outcome"].dims)]
     held = ({*study.operating_point} | {*spec.held}) - {*varied}
-    live = (("open this live", f"explorer.html#figure={name}"),) if results.live else ()
+    page = f"explorer.html#figure={name}"
+    live = (("open this live", page),) if results.live and name in COMPUTED else ()
     return {
         **content,
         "files": (*live, ("dataset (netCDF)", f"data/{name}.nc")),

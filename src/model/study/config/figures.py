@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import Discriminator, Field, model_validator
 
+from model.physics.parameters import Shape
 from model.study.config.base import ParameterValues, Text
 from model.sweeps.axes import Axis, Family, Strict
 from model.sweeps.settings import Ensemble
@@ -65,6 +66,8 @@ class Plane(FigureBase):
     """Parameter along the horizontal axis."""
     y: Axis
     """Parameter along the vertical axis."""
+    shape: Shape | None = Field(default=None, exclude_if=lambda v: v is None)
+    """Shape of part and hole, if it is not the paper's, square."""
     chunks: int = Field(ge=1, le=1000)
     """Number of jobs that the points are divided among."""
 
