@@ -8,7 +8,7 @@ import pytest
 from benchmarks.borders import TOLERANCES, errors_over_estimates, scan
 from model import Batch, Settings, load_device
 
-PEG = Path(__file__).parents[2] / "docs" / "peg.yaml"
+PEG = Path(__file__).parents[1] / "square" / "peg.yaml"
 
 
 @pytest.mark.parametrize("tolerance", TOLERANCES)
