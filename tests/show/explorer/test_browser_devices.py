@@ -134,7 +134,7 @@ def test_what_a_browser_does_not_allow_is_said(started, device_urls, script, wor
         started.open(device_urls["peg"])
         started.wait_for("document.getElementById('stuck')?.textContent")
         assert words in started.text("stuck")
-        assert started.evaluate("document.getElementById('p-press_force').value") == "10"
+        assert started.evaluate("document.getElementById('p-press_force').value") == "6"
     started.show(device_urls["peg"])
     assert started.text("stuck") == ""
 
@@ -146,7 +146,7 @@ def test_without_scripts_a_page_says_so_and_shows_the_device(started, device_url
         while "needs JavaScript" not in (shown := started.evaluate("document.body.innerText")):
             time.sleep(0.05)
         assert "which is off or not allowed here" in shown
-        assert "initial pressing force\t10\tN" in shown
+        assert "initial pressing force\t6\tN" in shown
         assert "Copy link" not in shown  # no control that does nothing
     finally:
         started.scripts(allowed=True)
