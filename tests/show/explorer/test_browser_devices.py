@@ -143,7 +143,8 @@ def test_without_scripts_a_page_says_so_and_shows_the_device(started, device_url
     started.scripts(allowed=False)
     try:
         started.open(device_urls["peg"])
-        while "needs JavaScript" not in (shown := started.evaluate("document.body?.innerText ?? ''")):
+        shown_text = "document.body?.innerText ?? ''"
+        while "needs JavaScript" not in (shown := started.evaluate(shown_text)):
             time.sleep(0.05)
         assert "which is off or not allowed here" in shown
         assert "initial pressing force\t6\tN" in shown
