@@ -256,9 +256,10 @@ def test_a_table_for_each_error_has_a_row_for_every_case_and_a_column_for_every_
     part = rendered[rendered.index('id="speed"') : rendered.index('id="device"')]
     text = plain(part)
     assert "RK4, fixed steps: keeps 10⁻⁵ in 1 of 3 cases." in text  # overturning has no error
-    assert text.count("base ka = 100, ha = 0horizon reached8") == 2
+    assert text.count("base ka = 100, ha = 0horizon reached10⁻¹²8") == 2
     assert "error 3 × 10⁻⁴" in text
-    assert "tilt through 90°left scene8right outcome–wrong outcome–too many evaluations" in text
+    overturning = "tilt through 90°left scene10⁻¹²8right outcome"
+    assert f"{overturning}–wrong outcome–too many evaluations" in text
 
 
 def test_every_claim_is_told_with_its_verdict_and_where_it_is_seen(rendered, lines):

@@ -6,7 +6,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from model.events.outcomes import Outcome
 from model.show.report.figures import HEAD, Counts, article, counts_of
 from model.show.report.section import Results, Section, Table, link
 from model.show.words import figure_number, figure_title, percent, short
@@ -98,7 +97,7 @@ def _reliable(results: Results, own: Counts) -> float:
 
 
 def _shares(words: str, shares: Mapping[str, float]) -> Finding:
-    """Return the smallest and the largest share of what aligns in a figure, each with its figure."""
+    """Return the least and the greatest share of what aligns in a figure, each with its figure."""
     known = {name: share for name, share in shares.items() if not np.isnan(share)}
     if not known:
         return Finding("–", f"of what aligns {words}")

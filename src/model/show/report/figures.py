@@ -17,7 +17,7 @@ from model.show.report.section import (
     values_of,
 )
 from model.show.style import Bools, Floats, flagged
-from model.show.words import figure_number, figure_title, percent, power, short
+from model.show.words import figure_number, figure_title, power, short
 from model.study.config.figures import COMPUTED, MAPS
 
 HEAD = MAPS[-1]  # the figure at the head of the page, also in README

@@ -85,7 +85,7 @@ class HardCases(Strict):
     """Tolerances, steps and limits of evaluations on these cases."""
     every_method: list[str] = Field(min_length=1)
     """Cases that the methods of SciPy run as well, all methods within SciPy's limit."""
-    independent: list[str] = []
+    independent: list[str] = Field(default_factory=list)
     """Cases whose true solution is the independent one, which takes seconds of some."""
     base: StiffnessCases
     """Cases of stiff and damped bases."""
