@@ -29,7 +29,7 @@ def test_every_number_is_a_share_or_a_tilt_of_the_aligned_points() -> None:
         Regime(
             aligned=20 / 40,
             static=4 / 20, not_resting=12 / 20, tilt=0.1, tilt_largest=0.3, corners=19 / 20,
-            lift_offs=2 / 20, first_period=7 / 20,
+            lift_offs=2 / 20, first_period=7 / 20, creeps=13 / 20,
         )
     )  # fmt: skip
 

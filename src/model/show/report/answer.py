@@ -43,7 +43,7 @@ def section(results: Results) -> Section:
     content = {
         "findings": findings,
         "figures": Table(
-            ("figure", ">align", ">τ", ">lift off", ">one period", ">rest", ">go in"), rows),
+            ("figure", ">align", ">τ", ">hop", ">one period", ">creep", ">rest", ">go in"), rows),
         "article": article(results, HEAD),
     }  # fmt: skip
     return Section("answer", "The answer", Path(__file__).with_suffix(".html.j2"), content)
@@ -51,7 +51,8 @@ def section(results: Results) -> Section:
 
 def _row(name: str, own: Counts, regime: Regime, goes_in: float) -> Sequence[object]:
     """Return a figure's row: what aligns, and of that what hops, is pushed in, needs vibration."""
-    shares = regime.lift_offs, regime.first_period, 1.0 - regime.not_resting, goes_in
+    moved = regime.lift_offs, regime.first_period, regime.creeps
+    shares = *moved, 1.0 - regime.not_resting, goes_in
     tau = short(float(np.median(own.tau)), 3) if own.tau.size else "–"
     title = link(figure_title(name), f"#{name}")
     return title, percent(own.aligned_share), tau, *map(percent, shares)
