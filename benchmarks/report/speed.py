@@ -9,6 +9,7 @@ from markupsafe import Markup
 from benchmarks.methods import METHODS
 from benchmarks.plans import PICTURES
 from benchmarks.report.advice import COARSE, FINE, advice, ladders, nearest, needs
+from benchmarks.report.checks import CHECKS, HEAD
 from benchmarks.report.work_precision_plots import CAPTIONS
 from benchmarks.work_precision import Setting, read_settings
 from model.engines.batch.series_layout import ORDER
@@ -33,6 +34,7 @@ def section(results: Results) -> Section:
         "usual": precision.ladder,
         "hard": precision.hard,
         "order": ORDER,
+        "checks": Table(HEAD, CHECKS),
     }
     template = Path(__file__).with_suffix(".html.j2")
     return Section("speed", "Error against cost", template, content, lead)

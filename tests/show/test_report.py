@@ -11,6 +11,7 @@ from markupsafe import escape
 
 from benchmarks.plans import PICTURES
 from benchmarks.report.advice import advice
+from benchmarks.report.checks import CHECKS
 from benchmarks.report.work_precision_plots import CAPTIONS
 from model.events.outcomes import InsertionOutcome, Outcome, Reason, Unvibrated
 from model.physics.parameters import PARAMETER_NAMES
@@ -249,6 +250,8 @@ def test_error_against_cost_is_told_in_sentences_pictures_and_tables(
     for name, place in PICTURES.items():
         assert CAPTIONS[name] in text
         assert f'href="{place}.svg"' in part
+    for check in CHECKS:
+        assert plain("".join(check)) in text
     for case in study.precision.cases.values():
         assert case.title in text
         assert case.reason in text

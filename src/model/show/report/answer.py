@@ -70,7 +70,7 @@ def _contact(lines: Sequence[Line]) -> Finding:
     kept = {line.shown_by: line.verdict for line in lines if line.claim.startswith("N")}
     some = [name for name, verdict in kept.items() if verdict == "reproduced"]
     words = "figures in which nearly every part keeps contact until it aligns"
-    return Finding(f"{len(some)} of {len(kept)}", f"{words}{_named(some)}; in the others parts hop")
+    return Finding(f"{len(some)} of {len(kept)}", f"{words}{_named(some)}; in the others many hop")
 
 
 def _first_period(regimes: Mapping[str, Regime]) -> Finding:
