@@ -38,7 +38,7 @@ CHECKS = (
         "3 × 10⁻¹⁰", "make accuracy, its first 500 sets", "ac68ce1",
     ),
     Check(
-        "heyoka 7.13, tolerance 1e-15", "equations of motion, events under one edge",
+        "heyoka 7.13, tolerance 10⁻¹⁵", "equations of motion, events under one edge",
         "600", "600 within the estimated errors", "4 × 10⁻¹³", "8 × 10⁻¹⁰",
         "make truth", "ac68ce1",
     ),
