@@ -1,7 +1,8 @@
 """The package against other methods: for a section of the report, and for ``make bench``.
 
-Not in the wheel. Methods are compared by their cost at the same true error; true values are the
-package's own at a far smaller tolerance.
+Not in the wheel. Methods are compared by their cost at the same true error. True values are
+the independent solution's in the report's usual cases, else the package's own at a far smaller
+tolerance.
 
 Shared by both:
 

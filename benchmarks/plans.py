@@ -26,12 +26,14 @@ class CasePlan(Plan):
         until: time τ at which a run ends that has not aligned.
         ladder: tolerances, steps and limits of evaluations.
         every_method: False if the methods of SciPy do not run it.
+        independent: True if the independent solution gives its true solution.
     """
 
     parameters: dict[str, float | None]
     until: float
     ladder: Ladder
     every_method: bool = True
+    independent: bool = True
 
 
 class PrecisionPlan(Plan):
@@ -61,5 +63,6 @@ def precision_plan(study: "Study") -> PrecisionPlan:
             until=each.until,
             ladder=hard.ladder.model_copy(update=limited),
             every_method=every,
+            independent=name in hard.independent,
         )
     return PrecisionPlan(cases=cases, settings=study.settings)

@@ -1,7 +1,8 @@
 """Error against cost: every method on every case, from coarse to fine.
 
 Cases are an operating point of each kind of motion, and scenes that are hard to integrate. The true
-solution is that of the reference engine at a far smaller tolerance. Errors and evaluations are the
+solution is the independent one (``verification.independent``), or, where that takes too long, that
+of the reference engine at a far smaller tolerance. Errors and evaluations are the
 same in every build; CPU times are not, and are kept in a table of their own.
 
 ``make bench`` also uses ``climbed``, the ladder of resolutions, and ``cpu_microseconds``, the time
@@ -22,23 +23,31 @@ from benchmarks.plans import CasePlan, PrecisionPlan
 from benchmarks.problems import Floats, Problem, Solution, Verdict, last_state, neighbours
 from model.events.outcomes import Outcome
 from model.physics.parameters import Batch, Parameters
+from model.physics.variants import Variants
 from model.study.csv_tables import read_records, records_text
+from verification.independent import solve
 
 _COARSER_TRUTH = 100.0  # tolerance of the second true run over that of the first
+_SHARES = (0.01, 0.1, 0.95)  # of the evaluations allowed; a late fall takes a few more
 _TRUE_EVALUATIONS = 2_000_000_000  # true runs have no practical limit
 _CERTAIN = 1e-5  # largest uncertainty of a truth with which errors are measured
+# How the independent solution ends, by the engine's outcome.
+_ENDINGS = {Outcome.ALIGNED: "aligned", Outcome.HORIZON_REACHED: "horizon"}
 _ROUNDING = float(np.finfo(float).eps)  # of numbers of order one; no error is below it
 
 
 @dataclass(frozen=True)
 class Truth:
-    """True run of a case.
+    """True solution of a case.
 
-    ``uncertainty`` is the distance of a coarser run: of its alignment time, or of its final state.
+    ``uncertainty`` is the distance of a second solution: in alignment time, or in the final state.
+    That is the reference engine's beside an independent solution, a coarser run beside one of the
+    engine; infinite if they end in different ways.
     """
 
     outcome: Outcome
     tau_align: float  # NaN if not aligned
+    end: float  # time of alignment, of leaving the scene, or the horizon
     state: Floats  # at the end, shape (6,)
     uncertainty: float
     events: int
@@ -94,21 +103,28 @@ def methods_for(case: CasePlan) -> list[str]:
 
 
 def true_run(plan: PrecisionPlan, name: str) -> Truth:
-    """Return the case ``name`` at the true tolerance, and its distance from a coarser run."""
-    problem, tolerance = problem_of(plan, name), plan.cases[name].ladder.true_tolerance
+    """Return the true solution of the case ``name``.
+
+    The independent one has the consistent equations, and press and vibration set in together.
+    """
+    problem, case = problem_of(plan, name), plan.cases[name]
     settings = replace(problem.settings, max_evaluations=_TRUE_EVALUATIONS)
-    rows = settings.rows(Batch.stack(problem.cases))
-    (result, state), (coarse, coarse_state) = (
-        last_state(settings, rows, np.array([factor * tolerance]))
-        for factor in (1.0, _COARSER_TRUTH)
-    )
-    outcome = Outcome(int(result.outcome))
-    uncertainty = float(np.abs(state - coarse_state).max())
-    if result.outcome != coarse.outcome:
-        uncertainty = math.inf
-    elif outcome == Outcome.ALIGNED:
-        uncertainty = abs(result.tau_align - coarse.tau_align)
-    return Truth(outcome, result.tau_align, state, uncertainty, int(result.events))
+    rows, tolerance = settings.rows(Batch.stack(problem.cases)), case.ladder.true_tolerance
+    result, state = last_state(settings, rows, np.array([tolerance]))
+    outcome, tau = Outcome(int(result.outcome)), float(result.tau_align)
+    if case.independent and settings.readings == Variants() and settings.start != "pressed":
+        solution = solve(problem.cases[0], case.until)
+        alike = solution.ending == _ENDINGS.get(outcome)
+        tau, other, state, other_state = solution.tau, tau, solution.state, state
+    else:
+        coarse, other_state = last_state(settings, rows, np.array([_COARSER_TRUTH * tolerance]))
+        alike, other = coarse.outcome == outcome, float(coarse.tau_align)
+    uncertainty = math.inf
+    if alike:
+        aligns = outcome == Outcome.ALIGNED
+        uncertainty = abs(tau - other) if aligns else float(np.abs(state - other_state).max())
+    end = tau if outcome == Outcome.ALIGNED else float(result.time)
+    return Truth(outcome, tau, end, state, uncertainty, int(result.events))
 
 
 def error_of(solution: Solution, truth: Truth) -> tuple[float, Verdict]:
@@ -148,11 +164,25 @@ def climbed(
         yield resolution, solution, seconds
 
 
+def resolutions_for(how: Method, case: CasePlan, truth: Truth) -> Sequence[float]:
+    """Return the tolerances or steps of a method on a case, from coarse to fine.
+
+    Without stated steps, they are chosen so that the run up to its true end takes ``_SHARES`` of
+    the evaluations allowed.
+    """
+    ladder = case.ladder
+    if not how.fixed:
+        return ladder.tolerances
+    if ladder.steps is not None:
+        return ladder.steps
+    end = truth.end or case.until
+    return [end * how.stages / (share * ladder.max_evaluations) for share in _SHARES]
+
+
 def measured(plan: PrecisionPlan, case: str, method: str, truth: Truth) -> Iterator[Setting]:
     """Yield a method's settings on one case from coarse to fine, up to the first over the limit."""
     problem, how = problem_of(plan, case), METHODS[method]
-    ladder = plan.cases[case].ladder
-    resolutions = ladder.steps if how.fixed else ladder.tolerances
+    resolutions = resolutions_for(how, plan.cases[case], truth)
     how.warm(problem, resolutions[0])
     for resolution, solution, seconds in climbed(how, problem, resolutions):
         error, verdict = error_of(solution, truth)

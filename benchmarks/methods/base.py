@@ -22,6 +22,8 @@ class Method:
         formulation: formulation of the problem for this method, in a few words.
         package: distribution whose version is reported.
         fixed: True if the resolution is the length of a step, False if it is a tolerance.
+        interpreted: True if every step runs through Python; evaluations alone then compare it.
+        stages: evaluations of a fixed step.
         located: True if the method locates all events.
         batch: number of trajectories in a call.
         vectorized: True if the trajectories of a batch run in vectors.
@@ -31,6 +33,8 @@ class Method:
     formulation: str = ""
     package: str = "vibralign"
     fixed: bool = False
+    interpreted: bool = False
+    stages: int = 1
     located: bool = True
     batch: int = 1
     vectorized: bool = False

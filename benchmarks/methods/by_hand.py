@@ -3,7 +3,8 @@
 One right-hand side is used for all states: a contact of positive depth presses with
 n = max(0, load), and its friction is -μ n sign(slip). It has kinks where a contact begins or ends,
 and jumps where a slip reverses; steps go across them. A part cannot stick: at rest the friction
-force changes its sign from step to step.
+force changes its sign from step to step. Only the fall is placed within its step, on a straight
+line.
 
 Contacts and forces are those of ``model.physics``. Modes tell how a contact began; here this is
 inferred from the state. A1 inside the part presses on the bottom face, A2 on the nearer of bottom
@@ -11,7 +12,7 @@ and left side face, and a corner on the flat only with the depth beyond that of 
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import isfinite
 from typing import Literal
 
@@ -130,20 +131,24 @@ def euler_step(h, q, k1):
 def run_each(rows, euler, h, horizon, most_steps, out):
     """Run all rows of constants; write (fallen in, finished, steps, time, state) into ``out``.
 
-    A run ends after the step in which the part has fallen in or left the scene, at the horizon, or
-    unfinished after ``most_steps``.
+    A run ends at once if the part has fallen in at the start, after the step in which it falls in
+    or leaves the scene, at the horizon, or unfinished after ``most_steps``. The time of the fall is
+    on a straight line between the ends of its step; the state is that at the end of the step.
     """
     for row in range(rows.shape[0]):
         p = constants_in(_EVENTS, rows[row])
         q, _ = start(p, _EVERY_CONTACT)
-        steps, time, fallen_in, finished = 0, 0.0, False, False
+        steps, time, length, before, level = 0, 0.0, 0.0, 1.0, outside(q, p)
+        finished = level < 0.0
         while steps < most_steps and not finished:
-            length, k1 = min(h, horizon - time), rates(time, q, p)
+            length, before, k1 = min(h, horizon - time), level, rates(time, q, p)
             q = euler_step(length, q, k1) if euler else rk4_step(time, length, q, k1, p)
             steps += 1
-            time, fallen_in = min(steps * h, horizon), outside(q, p) < 0.0
-            finished = fallen_in or _has_left(q, p) or horizon - time <= 1e-9 * h
-        out[row, 0], out[row, 1], out[row, 2], out[row, 3] = fallen_in, finished, steps, time
+            time, level = min(steps * h, horizon), outside(q, p)
+            finished = level < 0.0 or _has_left(q, p) or horizon - time <= 1e-9 * h
+        if level < 0.0:
+            time = time - length * level / (level - before)
+        out[row, 0], out[row, 1], out[row, 2], out[row, 3] = level < 0.0, finished, steps, time
         store_in(q, out[row, 4:])
 
 
@@ -165,16 +170,17 @@ def outside_of(at, row):
 
 
 Scheme = Literal["rk4", "semi_implicit_euler"]
+STAGES: Mapping[Scheme, int] = {"rk4": 4, "semi_implicit_euler": 1}  # evaluations of a step
 
 
 class FixedSteps(Method):
-    """Compiled runs with equal steps; the fall is detected at the end of a step."""
+    """Compiled runs with equal steps."""
 
     fixed = True
     located = False
 
     def __init__(self, name: str, scheme: Scheme) -> None:
-        self.name, self.scheme = name, scheme
+        self.name, self.scheme, self.stages = name, scheme, STAGES[scheme]
 
     def solve(
         self, problem: Problem, cases: Sequence[Parameters], resolution: float, _deadline: float, /
@@ -186,7 +192,7 @@ class FixedSteps(Method):
 def solve_by_hand(batch: Batch, scheme: Scheme, step: float, settings: Settings) -> Solution:
     """Return alignment times, final states and evaluations of a batch with equal steps."""
     euler = scheme == "semi_implicit_euler"
-    cost, out = 1 if euler else 4, np.empty((len(batch), 4 + STATE_SIZE))
+    cost, out = STAGES[scheme], np.empty((len(batch), 4 + STATE_SIZE))
     most_steps = settings.max_evaluations // cost
     run_each(batch.constants(settings.readings), euler, step, settings.horizon, most_steps, out)
     fallen_in, finished, steps, time = out[:, :4].T

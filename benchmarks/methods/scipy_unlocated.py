@@ -1,4 +1,8 @@
-"""scipy's ``solve_ivp`` with the right-hand side without modes; its only event is the fall."""
+"""scipy's ``solve_ivp`` with the right-hand side without modes; its only event is the fall.
+
+scipy looks for changes of sign. So a part that has fallen in at the start is told from the start,
+and an exact zero of the event function, a corner beside the edge, is given as not fallen yet.
+"""
 
 import math
 from collections.abc import Sequence
@@ -14,6 +18,8 @@ from model.compile.entries import bound
 from model.physics.notation import STATE_SIZE
 from model.physics.parameters import Batch, Parameters
 
+_NOT_YET = float(np.finfo(float).tiny)
+
 
 class _TooManyEvaluationsError(Exception):
     pass
@@ -23,6 +29,7 @@ class ScipyUnlocated(Method):
     """One of scipy's methods, with a compiled right-hand side."""
 
     package = "scipy"
+    interpreted = True
     located = False
 
     def __init__(self, solver: str) -> None:
@@ -58,14 +65,19 @@ class ScipyUnlocated(Method):
             write()
             return out.copy()
 
-        def fall(moment: float, y: Floats) -> float:
+        def level(moment: float, y: Floats) -> float:
             at[0], at[1:] = moment, y
             return fall_of()
+
+        def fall(moment: float, y: Floats) -> float:
+            return level(moment, y) or _NOT_YET
 
         def ended(tau: float, state: Floats, failure: Verdict | None) -> Solution:
             return Solution(np.array([tau]), state.reshape(1, 1, 6), evaluations, failure)
 
         fall.terminal, fall.direction = True, -1.0  # type: ignore[attr-defined]
+        if level(0.0, begun) < 0.0:
+            return ended(0.0, begun, None)
         try:
             # A solver that steps across a contact may overflow: its verdict shows it.
             with np.errstate(all="ignore"):

@@ -9,8 +9,10 @@ from markupsafe import Markup
 from benchmarks.methods import METHODS
 from benchmarks.plans import PICTURES
 from benchmarks.report.advice import COARSE, FINE, advice, ladders, nearest, needs
+from benchmarks.report.checks import CHECKS, HEAD
 from benchmarks.report.work_precision_plots import CAPTIONS
 from benchmarks.work_precision import Setting, read_settings
+from model.engines.batch.series_layout import ORDER
 from model.show.report.section import Results, Section, Table, link, settings_of, subscripts
 from model.show.words import figure_title, number, power
 from model.study.config.study import Study
@@ -23,6 +25,7 @@ def section(results: Results) -> Section:
     lead, *sentences = advice(settings, [*precision.cases])
     content = {
         "sentences": [*sentences, *_counts(settings)],
+        "checked": _checked(settings, results.study),
         "cases": _cases(results.study),
         "pictures": [results.picture(place, CAPTIONS[name]) for name, place in PICTURES.items()],
         "tables": [
@@ -30,6 +33,8 @@ def section(results: Results) -> Section:
         ],
         "usual": precision.ladder,
         "hard": precision.hard,
+        "order": ORDER,
+        "checks": Table(HEAD, CHECKS),
     }
     template = Path(__file__).with_suffix(".html.j2")
     return Section("speed", "Error against cost", template, content, lead)
@@ -45,6 +50,25 @@ def _counts(settings: Sequence[Setting]) -> list[str]:
         kept = sum(each == name for each, _ in need)
         counts.append(f"{method.name}: keeps {power(COARSE)} in {kept} of {own} cases.")
     return counts
+
+
+def _checked(settings: Sequence[Setting], study: Study) -> str:
+    """Return how far the independent solutions are from those of the reference engine."""
+    independent = {*study.precision.cases, *study.precision.hard.independent}
+    first = {each.case: each for each in reversed(settings) if each.case in independent}
+    alike = [each for each in first.values() if math.isfinite(each.uncertainty)]
+    apart = {
+        aligned: max(
+            (each.uncertainty for each in alike if (each.outcome == "aligned") == aligned),
+            default=math.nan,
+        )
+        for aligned in (True, False)
+    }
+    return (
+        f"In {len(alike)} of {len(first)} cases both end alike; there the alignment durations "
+        f"differ by at most {power(apart[True])}, and the states at the end of runs that do not "
+        f"align by at most {power(apart[False])}."
+    )
 
 
 def _cases(study: Study) -> Table:
@@ -70,11 +94,18 @@ def _needed(settings: Sequence[Setting], target: float, titles: Mapping[str, str
     runs, need = ladders(settings), needs(settings, target)
     first = {each.case: each for each in reversed(settings)}
     return Table(
-        ("case", "outcome", ">events", *(f">{method.name}" for method in METHODS.values())),
+        (
+            "case",
+            "outcome",
+            ">truth known to",
+            ">events",
+            *(f">{method.name}" for method in METHODS.values()),
+        ),
         [
             (
                 subscripts(title),
                 first[case].outcome.replace("_", " "),
+                power(first[case].uncertainty),
                 f"{first[case].events:,}",
                 *(_cell(runs.get((name, case)), need.get((name, case))) for name in METHODS),
             )

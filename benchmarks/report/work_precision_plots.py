@@ -31,7 +31,8 @@ CAPTIONS: Mapping[str, str] = {
     "not locate events needs ever more of them for each digit as soon as the part sticks or "
     "lifts off.",
     "times": "CPU time of one trajectory over the true error, as measured in this build on this "
-    "machine: neighbouring parameter sets on one core, median of repeats.",
+    "machine: neighbouring parameter sets on one core, median of repeats. "
+    "Scipy's methods (dotted) take steps in Python, with a compiled right-hand side.",
     "stability": "What each method needs to keep the true error on every case: evaluations of the "
     "equations of motion. Where it does not, the smallest error that it reaches. No cell: "
     "not run.",

@@ -17,6 +17,7 @@ from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
+from benchmarks.report.checks import CHECKS, HEAD
 from model.cli.main import _parser
 from model.engines.results import IN_SLOT, RESULTS, TRACK_VARIABLES, UNVIBRATED_CONTROL, Result
 from model.events.outcomes import OUTCOME_TEXT, REASON_TEXT, Outcome, Reason, remedy
@@ -213,6 +214,7 @@ def _variables_of(table: Mapping[str, Result]) -> str:
 
 
 GENERATED: dict[str, Callable[[], str]] = {
+    "checks": lambda: _table((name.removeprefix(">") for name in HEAD), CHECKS),
     "commands": _commands,
     "events": _events,
     "configuration": _configuration,

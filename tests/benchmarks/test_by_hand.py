@@ -1,6 +1,6 @@
 """Runs with fixed steps: evaluations, ends, convergence; scipy on the same right-hand side."""
 
-from math import inf, isnan
+from math import ceil, inf, isnan
 
 import numpy as np
 import pytest
@@ -33,14 +33,34 @@ def slow(device):
 def test_a_run_ends_with_the_step_in_which_the_part_fell(slow, scheme):
     h = 0.01
     run = solved(slow, scheme, h)
-    steps = run.tau_align[0] / h
-    assert steps == pytest.approx(round(steps), abs=1e-9)
-    assert run.evaluations == COST[scheme] * round(steps)
+    steps = ceil(run.tau_align[0] / h)
+    assert run.evaluations == COST[scheme] * steps
     assert run.failure is None
-    # The step before, it had not.
-    earlier = solved(slow, scheme, h, horizon=(round(steps) - 1) * h)
+    # The step before, it had not: the fall lies between, where a line crosses zero.
+    earlier = solved(slow, scheme, h, horizon=(steps - 1) * h)
     assert isnan(earlier.tau_align[0])
-    assert outside(slow, earlier) > 0.0 > outside(slow, run)
+    before, after = outside(slow, earlier), outside(slow, run)
+    assert before > 0.0 > after
+    time = h * (steps - 1 + before / (before - after))
+    assert run.tau_align[0] == pytest.approx(time, abs=1e-12)
+
+
+@schemes
+def test_a_part_that_has_fallen_in_at_the_start_takes_no_step(device, scheme):
+    inside = device.replace(misalignment=0.01)
+    run = solved(inside, scheme, 0.01)
+    assert (run.tau_align[0], run.evaluations, run.failure) == (0.0, 0, None)
+    problem = Problem("inside", (inside,), Settings())
+    assert ScipyUnlocated("RK45").solve(problem, [inside], 1e-6, inf).tau_align[0] == 0.0
+
+
+def test_scipy_takes_a_part_that_starts_beside_the_edge_for_not_fallen_yet(device):
+    edge = {"half_width": 1.0, "clearance": 0.09375, "misalignment": 0.09375, "initial_tilt": 0.0}
+    beside = device.replace(**edge)
+    problem = Problem("beside", (beside,), Settings(horizon=0.1))
+    run = ScipyUnlocated("DOP853").solve(problem, [beside], 1e-8, inf)
+    assert isnan(run.tau_align[0])
+    assert run.failure is None
 
 
 @schemes

@@ -7,6 +7,7 @@ from benchmarks.trajectories import W1, W2, W3, drawn_points, only_right_edge
 from model import Batch, Outcome, Parameters, Scene, Settings, align, simulate
 from model.runs.simulate import simulate_once
 from model.study.config import load_study, study_path
+from verification.independent import solve
 
 EDGE_ONLY = Scene("edge_only", frozenset({"edge_on_face"}))
 
@@ -15,6 +16,15 @@ def test_w1_aligns_where_the_design_says() -> None:
     run = simulate(W1)
     # 1.398687866665 was measured with friction regularized by a tanh; true sticking holds longer
     assert run.tau_align == pytest.approx(1.40037, abs=5e-6)
+
+
+@pytest.mark.parametrize(("case", "until"), [(W1, 2.0), (W2, 5.0), (W3, 5.0)])
+def test_the_truth_is_that_of_the_independent_solution(case: Parameters, until: float) -> None:
+    settings = Settings(horizon=until, may_settle=False)
+    stops = () if case == W1 else (until,)
+    truth = Problem("p", (case,), settings, stops).truth[0]
+    solution = solve(case, until)
+    assert truth == pytest.approx(solution.state if stops else [solution.tau], abs=1e-12)
 
 
 def test_w2_and_w3_switch_and_do_not_align_within_their_horizon() -> None:

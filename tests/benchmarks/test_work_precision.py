@@ -25,8 +25,10 @@ from benchmarks.work_precision import (
     true_run,
 )
 from model.events.outcomes import Outcome
+from model.physics.parameters import Parameters
 from model.runs.simulate import simulate
 from model.study.config import load_study, study_path
+from verification.independent import solve
 
 STATE = np.zeros(6)
 
@@ -117,6 +119,10 @@ def test_located_methods_are_accurate_where_long_steps_are_not(
 ) -> None:
     truth = truths["base_10000_10000"]
     assert truth.uncertainty < 1e-7
+    case = plan.cases["base_10000_10000"]
+    ladder = case.ladder.model_copy(update={"steps": [0.001]})
+    case = case.model_copy(update={"ladder": ladder})
+    plan = plan.model_copy(update={"cases": {"base_10000_10000": case}})
     first = {
         method: next(measured(plan, "base_10000_10000", method, truth))
         for method in methods_for(plan.cases["base_10000_10000"])
@@ -162,11 +168,54 @@ def test_a_ladder_ends_at_the_first_setting_that_costs_too_much(
 def test_an_error_is_unknown_where_the_part_leaves_or_two_true_runs_differ(
     outcome: Outcome, uncertainty: float
 ) -> None:
-    truth = Truth(outcome, math.nan, STATE, uncertainty, 3)
+    truth = Truth(outcome, math.nan, 30.0, STATE, uncertainty, 3)
     error, verdict = error_of(ended(math.nan, STATE + 1.0, 1), truth)
     assert math.isnan(error)
     assert verdict == Verdict.RIGHT_OUTCOME
     assert error_of(ended(3.0, STATE, 1), truth)[1] == Verdict.WRONG_OUTCOME
+
+
+def test_a_truth_is_the_independent_solution_beside_the_engines_run(
+    plan: PrecisionPlan, truths: dict[str, Truth]
+) -> None:
+    for name in ("aligned", "bouncing"):
+        case, truth = plan.cases[name], truths[name]
+        parameters = Parameters(**case.parameters)  # type: ignore[arg-type]
+        assert truth.tau_align == solve(parameters, case.until).tau
+        run = simulate(parameters, tolerance=1e-13)
+        assert truth.uncertainty == pytest.approx(abs(run.tau_align - truth.tau_align), abs=1e-13)
+        assert 0.0 < truth.uncertainty < 1e-10
+    assert truths["never_aligning"].end == plan.cases["never_aligning"].until
+    assert 0.0 < truths["never_aligning"].uncertainty < 1e-5
+    assert not plan.cases["base_10000_10000"].independent
+
+
+def test_without_the_independent_solution_a_truth_is_known_by_a_coarser_run(
+    plan: PrecisionPlan, truths: dict[str, Truth]
+) -> None:
+    alone = plan.cases["aligned"].model_copy(update={"independent": False})
+    printed = {"settings": plan.settings.model_copy(update={"start": "pressed"})}
+    for other in (plan.model_copy(update={"cases": {"aligned": alone}}),
+                  plan.model_copy(update=printed)):  # fmt: skip
+        assert true_run(other, "aligned").tau_align != truths["aligned"].tau_align
+    assert true_run(plan.model_copy(update={"cases": {"aligned": alone}}), "aligned").end == (
+        pytest.approx(truths["aligned"].end, abs=1e-10)
+    )
+
+
+def test_steps_are_chosen_for_the_evaluations_allowed(
+    plan: PrecisionPlan, truths: dict[str, Truth]
+) -> None:
+    ladder = plan.cases["aligned"].ladder.model_copy(update={"steps": None})
+    cases = {name: plan.cases[name].model_copy(update={"ladder": ladder}) for name in POINTS}
+    for name in ("aligned", "never_aligning"):
+        for method in ("rk4_fixed", "semi_implicit_euler_fixed"):
+            own = plan.model_copy(update={"cases": cases})
+            settings = list(measured(own, name, method, truths[name]))
+            spent = [each.rhs_evaluations / ladder.max_evaluations for each in settings]
+            assert spent[1:] == pytest.approx([0.1, 0.95], rel=0.1)
+            assert spent[0] < 0.011  # with steps so long that it leaves
+            assert settings[-1].verdict != Verdict.TOO_MANY_EVALUATIONS
 
 
 def test_an_error_is_that_of_the_time_or_of_the_state(truths: dict[str, Truth]) -> None:

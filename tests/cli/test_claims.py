@@ -48,7 +48,8 @@ def test_the_regime_is_a_line_for_every_figure(root: Path, capsys) -> None:
     head, fig05, fig06 = capsys.readouterr().out.splitlines()
     assert head.split() == ["figure", *Regime._fields]
     assert fig05.split()[0] == "fig05"
-    assert fig06.split() == ["fig06", "1", "0", "0", "0.1", "0.1", "1", "0"]
+    of_aligned = ["0", "0", "0.1", "0.1", "1", "0", "0.325", "0.675"]  # from f0 = 7 on in a period
+    assert fig06.split() == ["fig06", "1", *of_aligned]
     assert cli.main(["claims", "--root", str(root), "--regime", "--json"]) == cli.DONE
     assert json.loads(capsys.readouterr().out)[1]["tilt"] == 0.1
 

@@ -200,7 +200,20 @@ def test_a_panel_shows_what_the_ledger_looks_at(runs) -> None:
 
 def test_runs_that_align_are_marked_where_no_duration_is_shown(runs) -> None:
     drawn, datasets = runs
-    strokes = [line for line in drawn.axes[1].lines if line.get_marker() == "|"]
-    aligned = np.isfinite(datasets["pressed"]["tau_align"].values)
-    assert sum(len(line.get_xdata()) for line in strokes) == aligned.sum()
-    assert not [line for line in drawn.axes[4].lines if line.get_marker() == "|"]
+    dataset = datasets["pressed"]
+    swept, aligned = dataset["press_force"].values, np.isfinite(dataset["tau_align"].values)
+    bands = [each for each in drawn.axes[1].lines if each.get_label().startswith("_aligns")]
+    assert len(bands) == len(aligned)
+    step = swept[1] - swept[0]
+    for band, inside in zip(bands, aligned, strict=True):
+        at = band.get_xdata()
+        assert at[1:-1].tolist() == swept[inside].tolist()
+        assert [at[0], at[-1]] == pytest.approx([at[1] - step / 2, at[-2] + step / 2])
+    assert not [each for each in drawn.axes[4].lines if each.get_label().startswith("_aligns")]
+
+
+def test_curves_that_never_align_share_an_entry_of_the_legend() -> None:
+    made = made_up("rubbing", lambda force, friction: NAN if force > 1.0 else 5.0 - friction)
+    axes = draw_runs(made["rubbing"].assign_attrs(title="Title")).axes[0]
+    words = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert words == ["press_force = 1", "press_force = 3: none"]

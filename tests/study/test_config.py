@@ -196,6 +196,7 @@ def test_smoke_changes_only_sizes() -> None:
         "accuracy": {"sets", "chunks", "sets_a_job"},
         "precision": {
             "tolerances", "steps", "max_evaluations", "max_evaluations_scipy", "every_method",
+            "independent",
             "stiffness", "damping", "until",
         },
         "claims_runs": {"count"},

@@ -33,13 +33,15 @@ class Solution(NamedTuple):
     """Result of a run.
 
     ``ending`` is "aligned", "horizon", or the event at which the part left the scene. ``tau`` is
-    the alignment time, NaN without an alignment; ``events`` are in order of time.
+    the alignment time, NaN without an alignment; ``events`` are in order of time; ``state`` is that
+    at the end, shape (6,).
     """
 
     ending: str
     time: float
     tau: float
     events: tuple[str, ...]
+    state: State
 
 
 def _with(mode: Mode, what: str, state: str) -> Mode:
@@ -155,7 +157,7 @@ class Run:
             began = time
             name, time, z = self.segment(time, z, mode, end, muted)
             if not name:
-                return Solution(self.end_at_horizon(z, mode), time, tau, tuple(met))
+                return Solution(self.end_at_horizon(z, mode), time, tau, tuple(met), z)
             met.append(name)
             after = self.after(name, time, z, mode)
             if after == "aligned":
@@ -163,10 +165,10 @@ class Run:
                     tau, end = time, time + horizon
                 after = self.continued(time, z, mode)
             if isinstance(after, str):
-                return Solution(after, time, tau, tuple(met))
+                return Solution(after, time, tau, tuple(met), z)
             muted = name if time == began and after == mode else ""
             mode = after
-        return Solution("endless", time, tau, tuple(met))
+        return Solution("endless", time, tau, tuple(met), z)
 
     def segment(
         self, time: float, z: State, mode: Mode, end: float, muted: str

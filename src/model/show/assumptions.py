@@ -174,11 +174,11 @@ def _horizon(settings: Settings, units: Units | None) -> str:
 
 
 def _precision(settings: Settings, *, counted: bool) -> str:
-    """Return the tolerance of runs; if devices are ``counted``, the tolerance of these as well."""
+    """Return the tolerance of runs, of ``counted`` devices as well, and what errors are of."""
     words = f"local error of a step {settings.tolerance:g}"
     if counted and settings.tolerance < STATISTICAL_TOLERANCE:
         words += f", {STATISTICAL_TOLERANCE:g} for devices within the tolerances"
-    return words
+    return f"{words}; estimated errors are of the numbers, not of the model"
 
 
 def _tolerances(stated: StatedDevice, *, assumed: bool) -> str:

@@ -26,7 +26,7 @@ _THIN: Mapping[str, Any] = {"markeredgecolor": style.BLACK, "markeredgewidth": 0
 _MARK: Mapping[str, Any] = {"color": style.BLACK, "linestyle": "none", "markersize": 3.5}
 _RING: Mapping[str, Any] = {**_MARK, "marker": "o", "markersize": 4.5, "markerfacecolor": "none"}
 _CROSS: Mapping[str, Any] = {**_MARK, "marker": "x"}
-_STROKE: Mapping[str, Any] = {**_MARK, "marker": "|", "markersize": 9.0, "zorder": 1.5}
+_BAND: Mapping[str, Any] = {"linewidth": 7.0, "alpha": 0.3, "solid_capstyle": "butt", "zorder": 1.5}
 _ARROW: Mapping[str, Any] = {**_MARK, "marker": "$\\uparrow$", "markersize": 7.0, "clip_on": False}
 _JUMP = 2.0 * np.pi / 3.0  # a third of a period of the vibration, as a phase
 _NEARLY_ALL = 0.98  # of the points: the rest may lie beyond the axis
@@ -207,7 +207,10 @@ def _draw_strip(
 
 
 def draw_runs(*datasets: xr.Dataset) -> Figure:
-    """Draw the runs made for the claims alone, a panel for each dataset in the order given."""
+    """Draw the runs made for the claims alone, a panel for each dataset in the order given.
+
+    Where another quantity than the duration is shown, a pale band marks the runs that align.
+    """
     rows = -(-len(datasets) // 2)
     with style.context():
         figure = style.new_figure(height=7.2 * rows * style.CENTIMETRE)
@@ -225,21 +228,34 @@ def _draw_run(axes: Axes, dataset: xr.Dataset, variable: str, label: str) -> Non
     family, swept = (dataset[str(name)] for name in dataset["tau_align"].dims)
     times = variable == _DURATION[0]
     broken = jumps(dataset) & times
+    symbol, shown = style.symbol_of(family), np.isfinite(dataset[variable].values)
     for row, value in enumerate(family.values):
-        values = dataset[variable].values[row]
-        name = f"{style.symbol_of(family)} = {value:g}"
-        _draw_curve(axes, row, (swept.values, values), broken[row], name)
-    rows, columns = np.nonzero(np.isfinite(dataset["tau_align"].values))
-    if rows.size and not times:
-        place = swept.values[columns], dataset[variable].values[rows, columns]
-        axes.plot(*place, label="aligns", **_STROKE)
-    known = np.isfinite(dataset[variable].values).any(axis=0)
+        points = swept.values, dataset[variable].values[row]
+        name = f"{symbol} = {value:g}" if shown[row].any() else f"_none {row}"
+        _draw_curve(axes, row, points, broken[row], name)
+        if not times:
+            _draw_bands(axes, row, points, np.isfinite(dataset["tau_align"].values[row]))
+    if not times and np.isfinite(dataset["tau_align"].values).any():
+        axes.plot([], [], label="aligns", color=style.GREY, **_BAND)
+    for first, end in style.runs_of(~shown.any(axis=1)):
+        ends = dict.fromkeys(f"{family.values[row]:g}" for row in (first, end - 1))
+        axes.plot([], [], label=f"{symbol} = {' to '.join(ends)}: none", linestyle="none")
+    known = shown.any(axis=0)
     low, high, beyond = _ends_of_axis(swept.values, known)
     axes.set_xlim(low, high)
     axes.set_ylim(bottom=max(_LOWEST, min(0.0, axes.get_ylim()[0])))
     axes.set_xlabel(style.axis_label(swept) + beyond)
     axes.set_ylabel(label)
-    axes.legend(loc="best")
+    axes.legend(loc="best", handlelength=1.4, labelspacing=0.3)
+
+
+def _draw_bands(axes: Axes, index: int, points: tuple[Floats, Floats], aligned: Bools) -> None:
+    """Draw a band below curve ``index`` along its runs that align, half a step beyond each end."""
+    x, y = points
+    edges, colour = style.cell_edges(x), style.curve(index)["color"]
+    for i, j in style.runs_of(aligned):
+        along, level = [edges[i], *x[i:j], edges[j]], [y[i], *y[i:j], y[j - 1]]
+        axes.plot(along, level, label=f"_aligns {index}", color=colour, **_BAND)
 
 
 def draw_front(dataset: xr.Dataset) -> Figure:

@@ -1,97 +1,61 @@
-"""Section at the head of the page: the answer in six numbers, a table of these, and one figure."""
+"""Section at the head of the page: six numbers of the paper's figures, these by figure, one map."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
-from model.events.outcomes import Outcome
 from model.show.report.figures import HEAD, Counts, article, counts_of
-from model.show.report.section import Results, Section, Table
-from model.show.words import figure_title, percent, short
+from model.show.report.section import Results, Section, Table, link
+from model.show.words import figure_number, figure_title, percent, short
+from model.study.claims import Tables
 from model.study.claims.ledger import Line, read_ledger
-from model.study.config.figures import HISTORIES
+from model.study.claims.regime import Regime, regime_of
+from model.study.config.figures import MAPS
 
 
 class Finding(NamedTuple):
-    """A number of the answer: what it is of, and its least and largest over the figures."""
+    """A number of the answer, and what it is of."""
 
     number: str
     label: str
-    least: str = ""
-    most: str = ""
 
 
 def section(results: Results) -> Section:
     """Return the section with the answer."""
-    counts = {name: of for name, of in counts_of(results).items() if name not in HISTORIES}
-    dataset = results.dataset(f"data/{HEAD}.nc")
-    every = results.study.maps.ensemble.every
-    aligned = dataset["outcome"].values[::every, ::every] == Outcome.ALIGNED
-    starts = dataset["start_outcome"][0, 0].size
-    findings = [
-        _aligned(counts),
-        _duration(counts),
-        _share(
-            float((dataset["reliable"].values[aligned] == 1).mean()) if aligned.any() else np.nan,
-            f"of what aligns in {figure_title(HEAD)} aligns from each of {starts} starts",
-        ),
-        _of_aligned(counts, "unvibrated", "rests", "rests on the edge unless it is vibrated"),
-        _of_aligned(counts, "insertion", "inserted", "goes in"),
-        _paper(read_ledger(results.file("claims.csv"))),
-    ]
-    known = [finding for finding in findings if finding is not None]
-    content = {
-        "findings": known,
-        "spread": Table((">", "", "least in a figure", "most"), [f for f in known if f.least]),
-        "article": article(results, HEAD),
+    counts = counts_of(results)
+    regimes = {
+        name: regime_of(Tables.of({name: each.dataset}), name) for name, each in counts.items()
     }
+    lines = read_ledger(results.file("claims.csv"))
+    reliable = {name: _reliable(results, counts[name]) for name in MAPS}
+    goes_in = {name: each.share_of("insertion", "inserted") for name, each in counts.items()}
+    findings = [
+        _paper(lines),
+        _contact(lines),
+        _first_period(regimes),
+        _shares("rests on the edge unless it is vibrated", _resting(regimes)),
+        _shares("goes in", goes_in),
+        _shares("aligns from every start that was tried", reliable),
+    ]
+    rows = [_row(name, counts[name], regimes[name], goes_in[name]) for name in counts]
+    content = {
+        "findings": findings,
+        "figures": Table(
+            ("figure", ">align", ">τ", ">hop", ">one period", ">creep", ">rest", ">go in"), rows),
+        "article": article(results, HEAD),
+    }  # fmt: skip
     return Section("answer", "The answer", Path(__file__).with_suffix(".html.j2"), content)
 
 
-def _share(share: float, label: str, shares: Mapping[str, float] | None = None) -> Finding | None:
-    """Return a finding on a share, None if it is unknown; ``shares`` are those of the figures."""
-    if np.isnan(share):
-        return None
-    ends = () if shares is None else _ends(shares)
-    return Finding(percent(share), label, *ends)
-
-
-def _ends(shares: Mapping[str, float]) -> tuple[str, str]:
-    """Return the smallest and the largest share, each with its figure."""
-    low, high = (of(shares, key=lambda name: shares[name]) for of in (min, max))
-    least, most = (f"{percent(shares[each])} ({figure_title(each)})" for each in (low, high))
-    return least, most
-
-
-def _aligned(counts: Mapping[str, Counts]) -> Finding | None:
-    runs = sum(each.runs for each in counts.values())
-    aligned = sum(each.number_of(Outcome.ALIGNED) for each in counts.values())
-    shares = {name: each.aligned_share for name, each in counts.items()}
-    return _share(aligned / runs, f"of {runs:,} parameter sets align", shares)
-
-
-def _duration(counts: Mapping[str, Counts]) -> Finding | None:
-    tau = np.concatenate([each.tau for each in counts.values()])
-    if not tau.size:
-        return None
-    low, middle, high = (short(time) for time in np.quantile(tau, (0.05, 0.5, 0.95)))
-    label = f"alignment duration, median; of nine in ten, {low} to {high}"
-    return Finding(f"τ = {middle}", label)
-
-
-def _of_aligned(
-    counts: Mapping[str, Counts], variable: str, meaning: str, words: str
-) -> Finding | None:
-    """Return the share of all aligned runs with a flag."""
-    known = {name: each.share_of(variable, meaning) for name, each in counts.items()}
-    shares = {name: share for name, share in known.items() if not np.isnan(share)}
-    if not shares:
-        return None
-    weights = [counts[name].number_of(Outcome.ALIGNED) for name in shares]
-    share = float(np.average([*shares.values()], weights=weights))
-    return _share(share, f"of what aligns {words}", shares)
+def _row(name: str, own: Counts, regime: Regime, goes_in: float) -> Sequence[object]:
+    """Return a figure's row: what aligns, and of that what hops, is pushed in, needs vibration."""
+    moved = regime.lift_offs, regime.first_period, regime.creeps
+    shares = *moved, 1.0 - regime.not_resting, goes_in
+    tau = short(float(np.median(own.tau)), 3) if own.tau.size else "–"
+    title = link(figure_title(name), f"#{name}")
+    return title, percent(own.aligned_share), tau, *map(percent, shares)
 
 
 def _paper(lines: Sequence[Line]) -> Finding:
@@ -99,3 +63,46 @@ def _paper(lines: Sequence[Line]) -> Finding:
     right, wrong = (judged.count(word) for word in ("reproduced", "contradicted"))
     label = f"claims of the paper reproduced; {wrong} contradicted, the others in part"
     return Finding(f"{right} of {len(judged)}", label)
+
+
+def _contact(lines: Sequence[Line]) -> Finding:
+    """Return in how many figures the part keeps contact, as the claims N05 to N14 judge it."""
+    kept = {line.shown_by: line.verdict for line in lines if line.claim.startswith("N")}
+    some = [name for name, verdict in kept.items() if verdict == "reproduced"]
+    words = "figures in which nearly every part keeps contact until it aligns"
+    return Finding(f"{len(some)} of {len(kept)}", f"{words}{_named(some)}; in the others many hop")
+
+
+def _first_period(regimes: Mapping[str, Regime]) -> Finding:
+    some = [name for name, regime in regimes.items() if regime.first_period > 0.5]
+    words = "figures in which most parts align within the first period of the vibration"
+    return Finding(f"{len(some)} of {len(regimes)}", f"{words}{_named(some)}")
+
+
+def _named(figures: Iterable[str]) -> str:
+    """Return figures as ": Figs. 7, 11", nothing without any."""
+    numbers = ", ".join(str(figure_number(name)) for name in figures)
+    return numbers and f": Figs. {numbers}"
+
+
+def _resting(regimes: Mapping[str, Regime]) -> Mapping[str, float]:
+    return {name: 1.0 - regime.not_resting for name, regime in regimes.items()}
+
+
+def _reliable(results: Results, own: Counts) -> float:
+    """Return the share of a map's aligned nodes that align from every start, where all are run."""
+    every = results.study.maps.ensemble.every
+    aligned = own.aligned[::every, ::every]
+    reliable = own.dataset["reliable"].values[aligned] == 1
+    return float(reliable.mean()) if reliable.size else np.nan
+
+
+def _shares(words: str, shares: Mapping[str, float]) -> Finding:
+    """Return the least and the greatest share of what aligns in a figure, each with its figure."""
+    known = {name: share for name, share in shares.items() if not np.isnan(share)}
+    if not known:
+        return Finding("–", f"of what aligns {words}")
+    low, high = (of(known, key=lambda name: known[name]) for of in (min, max))
+    least, most = percent(known[low]).removesuffix(" %"), percent(known[high])
+    where = f"(least in {figure_title(low)}, most in {figure_title(high)})"
+    return Finding(f"{least} to {most}", f"of what aligns {words} {where}")

@@ -17,7 +17,7 @@ from model.show.report.section import (
     values_of,
 )
 from model.show.style import Bools, Floats, flagged
-from model.show.words import figure_title, percent, power, short
+from model.show.words import figure_title, power, short
 from model.study.config.figures import COMPUTED, MAPS, SCHEMATICS
 
 HEAD = MAPS[-1]  # the figure at the head of the page, also in README
@@ -58,10 +58,6 @@ class Counts:
         return float(flagged(self.dataset, variable, meaning)[self.aligned].mean())
 
 
-# Shares of the aligned runs: variable, beginning of its flag, head of the column.
-SHARES = (("insertion", "inserted", "go in"), ("unvibrated", "rests", "rest unvibrated"))
-
-
 def counts_of(results: Results) -> dict[str, Counts]:
     """Return the counts of every computed figure."""
     return {name: Counts(results.dataset(f"data/{name}.nc")) for name in COMPUTED}
@@ -86,14 +82,12 @@ def section(results: Results) -> Section:
 
 
 def _glance(counts: dict[str, Counts]) -> Table:
-    """List the outcomes of every figure, and the shares that some figure has."""
-    shares = [row for row in SHARES if any(row[0] in own.dataset for own in counts.values())]
+    """List the outcomes, durations and errors of every figure."""
     ends = [end for end in Outcome if any(own.number_of(end) for own in counts.values())]
     heads = [f">{end.name.lower().replace('_', ' ')}" for end in ends]
     return Table(
-        ("figure", ">runs", *heads, ">chaotic", ">sensitive", ">align", ">τ from", ">to",
-         *(f">{head}" for *_, head in shares), ">error of τ: median", ">largest",
-         ">if sensitive"),
+        ("figure", ">runs", *heads, ">chaotic", ">sensitive", ">τ from", ">to",
+         ">numerical error of τ: median", ">largest", ">if sensitive"),
         [
             (
                 link(figure_title(name), f"#{name}"),
@@ -101,10 +95,8 @@ def _glance(counts: dict[str, Counts]) -> Table:
                 *(f"{own.number_of(end):,}" for end in ends),
                 own.chaotic,
                 int(own.sensitive.sum()),
-                percent(own.aligned_share),
                 *((short(tau, 3) for tau in (own.tau.min(), own.tau.max()))
                   if own.tau.size else ("–", "–")),
-                *(percent(own.share_of(variable, flag)) for variable, flag, _ in shares),
                 power(own.error(0.5)),
                 power(own.error(1.0)),
                 power(own.error(1.0, sensitive=True)),

@@ -25,8 +25,8 @@ VIBRATION_CAPTION = (
 )
 CLAIMS_CAPTION = (
     "Runs made for the claims alone. Where the duration is shown, a curve ends where the part does "
-    "not align and where the duration jumps; where another quantity is shown, a stroke marks runs "
-    "that align."
+    "not align and where the duration jumps; where another quantity is shown, a pale band "
+    "marks runs that align."
 )
 SIGNS: Mapping[str, str] = dict(zip(VERDICTS, ("✓", "±", "✗", "–"), strict=True))
 _FOLDER = Path(__file__).parent
@@ -40,7 +40,7 @@ def vibration(results: Results) -> Section:
     own = {name: results.dataset(f"data/{name}.nc") for name in COMPUTED}
     shares = Table(
         ("figure", ">aligned", ">also unvibrated", ">of these by overshoot", ">do not rest",
-         ">tilt, median", ">largest", ">corners inside", ">lift off"),
+         ">tilt, median", ">largest", ">corners inside"),
         [_shares(name, dataset) for name, dataset in own.items()],
     )  # fmt: skip
     added = results.picture("figures/fig13_vibration", VIBRATION_CAPTION)
@@ -53,14 +53,13 @@ def _shares(name: str, dataset: xr.Dataset) -> Sequence[object]:
     regime = regime_of(Tables.of({name: dataset}), name)
     outcome = dataset["outcome"].values
     shares = regime.static, overshoot_of(dataset), regime.not_resting
-    *unvibrated, corners, lift_offs = (
-        "" if math.isnan(share) else percent(share)
-        for share in (*shares, regime.corners, regime.lift_offs)
+    *unvibrated, corners = (
+        "" if math.isnan(share) else percent(share) for share in (*shares, regime.corners)
     )
     tilts = (f"{np.degrees(tilt):.1f}°" for tilt in (regime.tilt, regime.tilt_largest))
     aligned = np.count_nonzero(outcome == Outcome.ALIGNED)
     head = figure_title(name), f"{aligned:,} of {outcome.size:,}"
-    return *head, *unvibrated, *tilts, corners, lift_offs
+    return *head, *unvibrated, *tilts, corners
 
 
 # --- Claims -------------------------------------------------------------------------------------

@@ -28,6 +28,8 @@ class Regime(NamedTuple):
         tilt_largest: largest magnitude of the tilt at alignment in radians.
         corners: share that meets the four corner conditions (C8c).
         lift_offs: share that lifts off before it aligns (N05 to N14).
+        first_period: share that aligns within the first period of the vibration (M10).
+        creeps: share that aligns later than that, and does not lift off before.
     """
 
     aligned: float
@@ -37,6 +39,8 @@ class Regime(NamedTuple):
     tilt_largest: float
     corners: float
     lift_offs: float
+    first_period: float
+    creeps: float
 
 
 def regime_of(tables: Tables, figure: str) -> Regime:
@@ -49,9 +53,11 @@ def regime_of(tables: Tables, figure: str) -> Regime:
     def number(claim: str) -> float:
         return _CHECKS[claim].numbers(tables, [figure])[""]
 
-    aligned, unvibrated, tilt = (
-        tables.values(figure, name) for name in ("aligned", "unvibrated", "tilt_at_alignment")
-    )
+    aligned, unvibrated, tilt, hops, in_first = (
+        tables.values(figure, text)
+        for text in ("aligned", "unvibrated", "tilt_at_alignment", "separations > 0",
+                     "tau * frequency < 6.283185")
+    )  # fmt: skip
     tilts = np.abs(tilt[aligned])
     return Regime(
         aligned=number("M9"),
@@ -61,4 +67,6 @@ def regime_of(tables: Tables, figure: str) -> Regime:
         tilt_largest=float(tilts.max()) if tilts.size else NAN,
         corners=number("C8c"),
         lift_offs=1.0 - number(f"N{figure[3:]}"),
+        first_period=share(in_first[aligned]),
+        creeps=share(~(hops | in_first)[aligned]),
     )

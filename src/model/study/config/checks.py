@@ -129,6 +129,8 @@ def _cases(study: Study, faults: list[str]) -> None:
     for name, hard in study.precision.hard.all_cases.items():
         with _noted(f"precision.hard.cases.{name}.at", faults):
             study.baseline.replace(**hard.at)
-    for name in study.precision.hard.every_method:
-        with _noted("precision.hard.every_method", faults):
-            check_name(name, list(study.precision.hard.all_cases), "hard case")
+    hard_cases = study.precision.hard
+    for part in ("every_method", "independent"):
+        for name in getattr(hard_cases, part):
+            with _noted(f"precision.hard.{part}", faults):
+                check_name(name, list(hard_cases.all_cases), "hard case")

@@ -30,8 +30,9 @@ class Ladder(Strict):
 
     tolerances: Falling
     """Tolerances of the adaptive methods, falling."""
-    steps: Falling
-    """Step lengths of the fixed-step methods, falling."""
+    steps: Falling | None = None
+    """Step lengths of the fixed-step methods, falling; null for steps with which the run takes a
+    hundredth, a tenth and nearly all of the evaluations allowed."""
     true_tolerance: Tolerance
     """Tolerance of the reference solution, by the default method."""
     max_evaluations: int = Field(ge=1)
@@ -84,6 +85,8 @@ class HardCases(Strict):
     """Tolerances, steps and limits of evaluations on these cases."""
     every_method: list[str] = Field(min_length=1)
     """Cases that the methods of SciPy run as well, all methods within SciPy's limit."""
+    independent: list[str] = Field(default_factory=list)
+    """Cases whose true solution is the independent one, which takes seconds of some."""
     base: StiffnessCases
     """Cases of stiff and damped bases."""
     cases: dict[str, HardCase] = Field(min_length=1)
