@@ -16,6 +16,7 @@ from model.physics.geometry import (
     edge_place,
     farthest_tilted,
     lever_doubt,
+    lever_if_flat,
     press_lever,
     resting_height,
     tips_depth,
@@ -23,7 +24,7 @@ from model.physics.geometry import (
 from model.physics.modes import CLOSED, OPEN, RELEASED, START
 from model.physics.motion import motion, support_contact
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
-from model.physics.parameters import RoundConstants
+from model.physics.parameters import Constants, RoundConstants
 
 STEP = 1e-5
 DIFFERENCE = 3e-8  # h²/6 times a third derivative of order 100, plus rounding over h
@@ -317,6 +318,13 @@ def test_the_press_pushes_with_the_lever_of_the_tips(p, misalignment, tilt):
     rims = Rims(pose, p)
     assert rims.behind == pytest.approx(0.0, abs=1e-11)
     assert press_lever(start) == pytest.approx(rims.tip[0] - misalignment, abs=1e-11)
+
+
+@pytest.mark.parametrize("shape", ["square", "round"])
+def test_the_lever_of_a_flat_part_is_that_without_a_tilt(p, shape):
+    flat = p._replace(misalignment=0.3, initial_tilt=0.0)
+    flat = flat if shape == "round" else Constants(*flat)
+    assert lever_if_flat(1.0, 1.1, 0.3, shape) == pytest.approx(press_lever(flat), rel=EXACT)
 
 
 @pytest.mark.parametrize("tilt", [1e-3, 0.05, 0.2])
