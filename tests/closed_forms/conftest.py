@@ -24,7 +24,7 @@ from model.events.outcomes import Outcome, Reason
 from model.events.transitions import CONTINUES
 from model.physics.modes import CLOSED, OPEN, START, Mode
 from model.physics.notation import State
-from model.physics.parameters import Constants
+from model.physics.parameters import Shape
 from tests.engines.steps import Steps
 
 advance = compiled(loop.advance)
@@ -61,10 +61,12 @@ class SteppedRun:
         until: Callable[["SteppedRun"], bool] = lambda _: False,
         scene: Scene = ALIGNMENT,
         tau_align: float = np.nan,
+        shape: Shape = "square",
         **changes: float,
     ) -> None:
         row = Batch.stack([parameters]).constants(Variants.consistent())[0]
-        self.p = Constants(*row.tolist())._replace(**changes)
+        events = in_kernels(scene, shape == "round")
+        self.p = events.events.constants(*row.tolist())._replace(**changes)
         row = np.array(self.p)
         self.parameters, self.steps = parameters, []
         single = new_scalar_memory()
@@ -72,7 +74,6 @@ class SteppedRun:
         noise = NOISE * tolerance * (scene is not ALIGNMENT)
         control = Control(horizon, 50_000_000, noise, alignment_only=0.0, pressed=0.0)
         runs, track = single.runs, np.empty((0, TRACK_COLUMNS))
-        events = in_kernels(scene)
         begin(row, tolerance, events, control, runs, 0)
         if state is not None:
             runs[0, AT.outcome], runs[0, AT.reason] = CONTINUES, 0.0

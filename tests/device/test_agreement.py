@@ -2,12 +2,15 @@
 
 Each device is a worked one with its quantities changed at random, as a file with tolerances. The
 questions are whether it goes in from every start, how fast it aligns from one start, and how many
-devices within its tolerances go in.
+devices within its tolerances go in. The page's engine is run as the page runs it, as WebAssembly.
 """
 
+import base64
+import gzip
 import json
 import math
 from dataclasses import replace
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -15,12 +18,13 @@ import pytest
 import xarray as xr
 import yaml
 
-from model import INSERTION, Settings, Trajectory, load_device, reliable_at, simulate
+from model import INSERTION, Settings, load_device, reliable_at, simulate
 from model.cli import main as cli
 from model.cli import sheet
 from model.device import yields
 from model.device.design import as_printed
 from model.device.design_trials import Trials
+from model.engines.results import RunResult
 from model.events.outcomes import Outcome
 from model.physics.units import device as device_of
 from model.runs import in_browser
@@ -28,6 +32,7 @@ from model.runs.in_browser import Modules, interface
 from model.show import device_sheet
 from model.study.config import load_study, study_path
 from model.sweeps.starts import starts_of
+from tests.runs.browser import Browser
 
 SQUARE = Path(__file__).resolve().parents[1] / "square"
 COUNT = 6
@@ -62,11 +67,15 @@ def said(capsys: pytest.CaptureFixture[str], *arguments: str) -> dict:
 
 @pytest.fixture
 def _no_advice(monkeypatch: pytest.MonkeyPatch, _no_leeways: None) -> None:
-    """Leave out what is not asked here: leeways, Sobol' indices, pictures, the page's engines."""
+    """Leave out what is not asked here: leeways, Sobol' indices, pictures.
+
+    Without wasmtime the page's engines are not run, nor made.
+    """
     monkeypatch.setattr(yields, "sobol_indices_of", lambda *_, **__: ())
-    monkeypatch.setattr(
-        in_browser, "modules", lambda shape: Modules(b"one", b"many", interface(shape=shape))
-    )
+    if not find_spec("wasmtime"):
+        monkeypatch.setattr(
+            in_browser, "modules", lambda shape: Modules(b"one", b"many", interface(shape=shape))
+        )
     monkeypatch.setattr(sheet, "_COUNT", 3)
     monkeypatch.setattr(device_sheet, "_picture", lambda _: "")
 
@@ -131,7 +140,8 @@ def agreed(path: Path, folder: Path, capsys: pytest.CaptureFixture[str]) -> bool
         assert assessed["verdict"] in page.read_text(encoding="utf-8")
     assert cli.main(["explore", *file, *ROUGH, "--scene", "insertion", "--out", str(page)]) == 0
     text = page.read_text(encoding="utf-8")
-    assert on_page(text).tau_align == pytest.approx(run.tau_align, rel=1e-6, nan_ok=True)
+    for aligns in on_page(text, device.shape):
+        assert aligns == pytest.approx(run.tau_align, rel=1e-6, nan_ok=True)
     for name in ("base", "start", "horizon"):
         assert assessed["assumptions"][name] in text
 
@@ -146,8 +156,8 @@ def agreed(path: Path, folder: Path, capsys: pytest.CaptureFixture[str]) -> bool
     return reliable
 
 
-def on_page(text: str) -> Trajectory:
-    """Return the run of a page's device with the page's settings."""
+def on_page(text: str, shape: str) -> list[float]:
+    """Return alignment times of a page's device and settings: by Python, by the page's engine."""
     model = json.loads(text.partition('id="model">')[2].partition("</script>")[0])
     values = {name: v for name, v in model["baseline"].items() if v is not None}
     control = model["control"]
@@ -158,4 +168,12 @@ def on_page(text: str) -> Trajectory:
         scene=INSERTION,
         shape=model["interface"]["shape"],
     )
-    return simulate(device_of(values).parameters, settings)
+    assert settings.shape == shape
+    parameters = device_of(values).parameters
+    found = [simulate(parameters, settings).tau_align]
+    if find_spec("wasmtime"):
+        binary = gzip.decompress(base64.b64decode(model["modules"]["run_one"]))
+        given = np.array([[np.nan if v is None else v for v in parameters.given().values()]])
+        results, _ = Browser(binary, "run_one", model["interface"]).run(given, rows=0, **control)
+        found.append(RunResult(*results[0]).tau_align)
+    return found

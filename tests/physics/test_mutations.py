@@ -1,7 +1,9 @@
 """An error of 1 % in any one force is caught: by a unit test, and by the figures where it acts.
 
-The unit tests run on each mutation without being compiled; the figures are computed from a copy of
-the package whose kernels hold all of the errors, compiled once.
+So is an error at the tips of a round part, which no figure of the paper has: by a unit test.
+
+The unit tests run on each mutation without being compiled; the figures are computed from a copy
+of the package whose kernels hold all of the errors, compiled once.
 """
 
 import json
@@ -17,7 +19,7 @@ import pytest
 from model.study.config import COMPUTED
 
 PROJECT = Path(__file__).resolve().parents[2]
-UNIT_TESTS = [f"tests/physics/test_{name}.py" for name in ("motion", "contacts")]
+UNIT_TESTS = [f"tests/physics/test_{name}.py" for name in ("motion", "contacts", "tips")]
 
 # name: (file below src/model/physics, what stands before a force, the force that is changed)
 MUTATIONS = {
@@ -46,6 +48,40 @@ EVERYWHERE = {
 }  # fmt: skip
 FIGURES = list(COMPUTED)
 
+# Errors in the tips of round parts, in the same form; files below src/model.
+GEOMETRY, CONTACTS = "physics/geometry.py", "physics/contacts.py"
+EVENTS = "events/event_functions.py"
+OF_TIPS = {
+    "place of the tips": (GEOMETRY, "", "gap) / (reach + c"),
+    "depth of the tips": (GEOMETRY, "p.half_height - height - ", "rim_x * s)"),
+    "touch of the tips": (GEOMETRY, "square = ", "behind * behind"),
+    "turn of the normal": (CONTACTS, "bent = ", "(a * a)"),
+    "lever of the normal": (CONTACTS, "moment = ", "(along + bent) * x"),
+    "compliance": (CONTACTS, "depth = ", "behind * reach"),
+    "closing rate": (CONTACTS, "closing_rate = -dot(normal, ", "q.x_rate, q.y_rate, q.tilt_rate"),
+    "wedge factor": (CONTACTS, "(square + ", "rise * rise)"),
+    "lever of friction": (CONTACTS, "moment = rim_x - x, ", "(rim_x - x) * rise"),
+    "drift along the face": (CONTACTS, "rise, -", "along * along_face / reach"),
+    "drift by turning": (CONTACTS, "turning = ", "tilt_rate * (offset"),
+    "drift by stretching": (CONTACTS, "stretching = ", "(offset * offset_rate"),
+    "merging": (EVENTS, "return ", "p.half_width - mode.edge * at.along"),
+    "lever of the press": (GEOMETRY, "return float(", "rim_x - p.misalignment"),
+    "largest misalignment": (GEOMETRY, "math.hypot(", "math.sqrt(hole**2"),
+    "doubt of the lever": (GEOMETRY, "return ", "2.0 * p.half_width * force"),
+}
+# Name: (file, what stands there, what is wrong with it).
+WRONG_TIPS = {
+    "sign of the normal": (CONTACTS, "normal_y = -rise", "normal_y = rise"),
+    "side of the normal": (CONTACTS, "normal = (side * normal_x", "normal = (normal_x"),
+    "side of friction": (CONTACTS, "to_tangent, side * rise", "to_tangent, rise"),
+    "no wedge factor": (CONTACTS, "(hole * hole) * (s", "(rim_x * rim_x) * (s"),
+    "no tips": (CONTACTS, "tips_on_face(side, q, p) if", "edge_on_face(side, q, p) if"),
+    "end by the tips' place": (EVENTS, "edge.along_face)\n", "face.along)\n"),
+    "no side beside tips": (EVENTS, "depth + along - p", "along - p"),
+    "beginning": (EVENTS, "return -depth, depth", "return depth, depth"),
+}
+EVERY = [*MUTATIONS, *OF_TIPS, *WRONG_TIPS]
+
 
 def replaced(path: Path, old: str, new: str) -> str:
     """Return the text of a file with ``new`` in place of ``old``."""
@@ -58,6 +94,7 @@ def replaced(path: Path, old: str, new: str) -> str:
 # and runs them.
 RUN_EACH = """
 import importlib, json, os, sys
+from inspect import unwrap
 from types import FunctionType
 import pytest
 
@@ -66,7 +103,7 @@ def put(module, code):
     exec(compile(code, module.__file__, "exec"), wrong)
     for name, function in vars(module).items():
         if isinstance(function, FunctionType) and function.__module__ == module.__name__:
-            function.__code__ = wrong[name].__code__
+            unwrap(function).__code__ = unwrap(wrong[name]).__code__
 
 class Mutations:
     def pytest_collection_finish(self, session):
@@ -78,7 +115,8 @@ class Mutations:
             put(importlib.import_module(module), code)
             return
 
-logs, (mutations, options), codes = sys.argv[1], map(json.loads, sys.argv[2:]), {}
+logs, codes = sys.argv[1], {}
+mutations, options = json.load(sys.stdin)
 parent = os.getpid()
 codes["none"] = pytest.main(options, [Mutations()])
 if os.getpid() != parent:
@@ -90,19 +128,26 @@ print(json.dumps(codes))
 
 def mutated(mutation: str) -> tuple[str, str]:
     """Return the name of a module of the package, and its source with one error in it."""
-    file, before, force = MUTATIONS[mutation]
-    path = PROJECT / "src/model/physics" / file
-    return f"model.physics.{path.stem}", replaced(path, before + force, f"{before}1.01 * {force}")
+    if mutation in WRONG_TIPS:
+        file, right, wrong = WRONG_TIPS[mutation]
+    else:
+        at_tips = mutation in OF_TIPS
+        file, before, force = OF_TIPS[mutation] if at_tips else MUTATIONS[mutation]
+        file = file if at_tips else f"physics/{file}"
+        right, wrong = before + force, f"{before}1.01 * {force}"
+    module = f"model.{file.removesuffix('.py').replace('/', '.')}"
+    return module, replaced(PROJECT / "src/model" / file, right, wrong)
 
 
 @pytest.fixture(scope="module")
 def tried(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[int, str]]:
     """(exit code, output) of the unit tests, uncompiled, on each mutation and on none."""
     folder = tmp_path_factory.mktemp("mutated")
-    mutations = {name: mutated(name) for name in MUTATIONS}
+    mutations = {name: mutated(name) for name in EVERY}
     options = ["-x", "-q", "-s", "-p", "no:cacheprovider", *UNIT_TESTS]
     run = subprocess.run(
-        [sys.executable, "-c", RUN_EACH, folder, json.dumps(mutations), json.dumps(options)],
+        [sys.executable, "-c", RUN_EACH, folder],
+        input=json.dumps([mutations, options]),
         cwd=PROJECT,
         env={
             **os.environ,
@@ -113,13 +158,13 @@ def tried(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[int, str]
         text=True,
         check=True,
     )
-    told = {name: (folder / name).read_text(encoding="utf-8") for name in MUTATIONS}
+    told = {name: (folder / name).read_text(encoding="utf-8") for name in EVERY}
     told["none"] = run.stdout
     codes = json.loads(run.stdout.splitlines()[-1])
     return {name: (codes[name], told[name]) for name in told}
 
 
-@pytest.mark.parametrize("mutation", MUTATIONS)
+@pytest.mark.parametrize("mutation", EVERY)
 def test_a_unit_test_catches_it(tried: dict[str, tuple[int, str]], mutation: str) -> None:
     code, told = tried[mutation]
     assert code == pytest.ExitCode.TESTS_FAILED, told

@@ -7,6 +7,7 @@ from model import Batch, Outcome, Settings, Variants, align
 from model.engines.batch.scheduling import POOL
 from model.engines.results import RunResult
 from model.runs.engines import batch_engine, scalar_engine
+from model.runs.errors import outcomes_differ
 
 SETTINGS = Settings(horizon=60.0)
 COUNT = 150
@@ -87,6 +88,38 @@ def test_lanes_agree_to_their_estimates_with_the_reference_at_a_tight_tolerance(
     # The median of all sets together: that of some hundred varies by a tenth. It is 20 for 1,370
     # near sets, and for 660 wide ones.
     assert 1.0 / np.median(np.concatenate(ratios)) <= 30.0
+
+
+def round_parts(device, count):
+    """Round parts near and beyond the largest misalignment, tilted both ways, that slide or hop."""
+    rng = np.random.default_rng(12)
+    names = ("half_height", "inertia", "tilt_stiffness", "press_force", "frequency", "friction")
+    swept = {name: getattr(device, name) * np.exp(rng.uniform(-0.7, 0.7, count)) for name in names}
+    swept["clearance"] = 10.0 ** rng.uniform(-2.0, -0.7, count)
+    swept["initial_tilt"] = rng.uniform(-0.02, 0.1, count)
+    farthest = device.half_width * np.sqrt(swept["clearance"] * (2.0 + swept["clearance"]))
+    swept["misalignment"] = farthest * rng.uniform(0.3, 1.2, count)
+    return Batch.of(device, **swept)
+
+
+def test_both_engines_agree_on_random_round_parts(device):
+    batch, settings = round_parts(device, 4 * COUNT), Settings(horizon=40.0, shape="round")
+    scalar = align(batch, settings, engine="scalar", tolerance=1e-12)
+    lanes = align(batch, settings, engine="batch")
+    certain = ~(scalar.sensitive | lanes.sensitive)
+    assert certain.mean() > 0.9
+    assert set(scalar.outcome[certain]) > {Outcome.ALIGNED, Outcome.HORIZON_REACHED}
+    # A periodic motion may be seen to settle later.
+    assert not outcomes_differ(scalar.outcome, lanes.outcome, alike=True)[certain].any()
+    left = certain & (scalar.outcome == Outcome.LEFT_SCENE)
+    assert (scalar.reason == lanes.reason)[left].all()
+    aligned = certain & (scalar.outcome == Outcome.ALIGNED)
+    assert aligned.sum() > COUNT
+    allowed = (lanes.tau_error + scalar.tau_error)[aligned]
+    ratio = np.abs(scalar.tau_align - lanes.tau_align)[aligned] / allowed
+    assert (ratio <= 1.0).mean() >= 0.95
+    assert ratio.max() <= 10.0
+    assert scalar.tilt_max[certain] == pytest.approx(lanes.tilt_max[certain], rel=1e-3)
 
 
 def test_one_run_meets_the_same_events_in_both(batch):

@@ -1,16 +1,16 @@
 """The engines as WebAssembly, run without a browser, against the same engines in Python."""
 
-import ctypes
 import os
 import platform
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
+from benchmarks.shapes import devices
 from model import Batch, align
 from model.engines.results import TRACK_VARIABLES, RunResult
 from model.events.insertion import INSERTION
@@ -23,77 +23,14 @@ from model.runs.settings import Settings
 from model.runs.simulate import simulate_once
 from model.runs.trace import COLUMNS
 from model.study.config import Study, load_study, study_path
+from tests.runs.browser import Browser
 from verification.trials import trial_of
 
-wasmtime = pytest.importorskip("wasmtime")
+pytest.importorskip("wasmtime")
 
 SETS = int(os.environ.get("VIBRALIGN_SETS", "60"))  # `make nightly` takes more
-MOST_ROWS = 20_000
 # A shown run goes on into the slot; a map asks for alignment.
 SETTINGS: dict[Engine, Settings] = {"scalar": Settings(scene=INSERTION), "batch": Settings()}
-
-
-class Browser:
-    """A module as the page runs it: the memory, the stack and the C library's functions."""
-
-    def __init__(self, binary: bytes, name: str, interface: dict[str, Any]) -> None:
-        config = wasmtime.Config()
-        config.cache = True  # to compile a module takes longer than to run the sets
-        store = wasmtime.Store(wasmtime.Engine(config))
-        module = wasmtime.Module(store.engine, binary)
-        wanted = {each.name: each.type for each in module.imports}
-        number = wasmtime.ValType.f64()
-        libm = ctypes.CDLL(None)
-        imports = []
-        self.functions = set()
-        for each, kind in wanted.items():
-            if each == "__linear_memory":
-                self.memory = wasmtime.Memory(store, wasmtime.MemoryType(wasmtime.Limits(1, None)))
-                imports.append(self.memory)
-            elif each == "__stack_pointer":
-                value = wasmtime.Val.i32(interface["functions"][name]["stack"])
-                imports.append(wasmtime.Global(store, kind, value))
-            elif isinstance(kind, wasmtime.FuncType):
-                self.functions.add(each)
-                function = libm[each]
-                function.restype = ctypes.c_double
-                function.argtypes = [ctypes.c_double] * len(kind.params)
-                assert list(map(str, [*kind.params, *kind.results])) == [str(number)] * (
-                    len(kind.params) + 1
-                )
-                imports.append(wasmtime.Func(store, kind, function))
-            else:
-                raise AssertionError(f"the module imports {each}, which no page gives it")
-        exports = wasmtime.Instance(store, module, imports).exports(store)
-        self.call, self.store, self.about, self.name = exports["run"], store, interface, name
-
-    def run(self, sets: np.ndarray, rows: int = MOST_ROWS, **control: float) -> tuple[Any, Any]:
-        """Return the results of the sets, and with ``run_one`` the track of its one set."""
-        chosen = {"sets": len(sets), "rows": rows}
-        layout, stack = (self.about["functions"][self.name][it] for it in ("arguments", "stack"))
-        lengths = [chosen.get(each["length"], each["length"]) for each in layout]
-        sizes = [length * each["size"] for each, length in zip(layout, lengths, strict=True)]
-        # The result of the call, its words, and the arrays, each from a new cache line on.
-        places = stack + 8 * np.cumsum([0, *(-(-n // 8) * 8 for n in (1, 2 * len(layout), *sizes))])
-        missing = int(places[-1]) - self.memory.data_len(self.store)
-        if missing > 0:
-            self.memory.grow(self.store, -(-missing // 65536))
-        result, words, *arrays = map(int, places[:-1])
-        self.memory.write(self.store, bytes(int(places[-1]) - words), words)
-        self.memory.write(self.store, np.column_stack([arrays, lengths]).tobytes(), words)
-        settings = dict(zip(self.about["limits"], self.about["defaults"], strict=True)) | control
-        at = {each["name"]: n for n, each in enumerate(layout)}
-        self.memory.write(self.store, sets.tobytes(), arrays[at["given"]])
-        limits = np.array([*settings.values()])
-        self.memory.write(self.store, limits.tobytes(), arrays[at["limits"]])
-        self.call(self.store, words, result)
-
-        def found(name: str) -> np.ndarray:
-            n = at[name]
-            data = self.memory.read(self.store, arrays[n], arrays[n] + 8 * sizes[n])
-            return np.frombuffer(bytes(data)).reshape(lengths[n], layout[n]["size"])
-
-        return found("results"), found("track") if "track" in at else None
 
 
 @pytest.fixture(scope="module")
@@ -135,17 +72,34 @@ def test_outcomes_and_times_are_those_of_python(
 
     A periodic motion may be seen to settle later: see ``outcomes_differ``.
     """
-    settings = SETTINGS[engine]
+    agree(SETTINGS[engine], engine, batch, ran[engine])
+
+
+@pytest.mark.parametrize("engine", ["scalar", "batch"])
+def test_outcomes_and_times_of_round_parts_are_those_of_python(engine: Engine) -> None:
+    """The modules of a page know the shape by their code: the random devices of `shapes`."""
+    made, batch = modules("round"), devices(SETS)
+    assert made.interface["shape"] == "round"
+    sets = np.column_stack([batch.values[name] for name in PARAMETER_NAMES])
+    if engine == "scalar":
+        found = _one_at_a_time(Browser(made.run_one, "run_one", made.interface), sets)
+    else:
+        found = Browser(made.run_many, "run_many", made.interface).run(sets)[0]
+    agree(replace(SETTINGS[engine], shape="round"), engine, batch, found)
+
+
+def agree(settings: Settings, engine: Engine, batch: Batch, ran: np.ndarray) -> None:
     rows = settings.rows(batch)
     there = RunResult(*engine_for(settings, engine)(rows, np.full(SETS, settings.tolerance)).T)
-    here = RunResult(*ran[engine].T)
+    here = RunResult(*ran.T)
     differ = outcomes_differ(here.outcome, there.outcome, alike=True)
     times = np.where(np.isnan(here.tau_align + there.tau_align), 0.0,
                      np.abs(here.tau_align - there.tau_align))  # fmt: skip
     suspects = np.flatnonzero(differ | (times > SENSITIVE))
     assert suspects.size <= 0.02 * SETS
     if suspects.size:
-        assert align([batch[int(row)] for row in suspects], settings, engine=engine).sensitive.all()
+        again = [batch[int(row)] for row in suspects]
+        assert align(again, settings, engine=engine).sensitive.all()
     assert np.median(times[np.isfinite(there.tau_align)]) < 1e-12
 
 

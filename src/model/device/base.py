@@ -24,6 +24,7 @@ from typing import NamedTuple
 
 from model.device.holder import RATIOS
 from model.device.spelling import in_per_cent
+from model.physics.geometry import lever_if_flat
 from model.physics.parameters import Shape
 
 
@@ -157,12 +158,9 @@ def damping_ratio_of(restitution: float) -> float:
 
 def mass_at_edge(quantities: Mapping[str, float], shape: Shape) -> float:
     """Return the effective mass in kg of the part at the edge, or tips, on which it starts flat."""
-    hole = quantities["half_width"] * (1.0 + quantities["clearance"])
-    beside = quantities["misalignment"]
-    arm = hole - beside
-    if shape == "round":
-        arm = (hole**2 - quantities["half_width"] ** 2 - beside**2) / (2.0 * beside)  # (T7)
-    mass = quantities["mass"]
+    half_width, mass = quantities["half_width"], quantities["mass"]
+    hole = half_width * (1.0 + quantities["clearance"])
+    arm = lever_if_flat(half_width, hole, quantities["misalignment"], shape)
     return mass / (1.0 + mass * arm * arm / quantities["inertia"])
 
 

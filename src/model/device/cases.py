@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from model.device.base import MATERIALS, damping_ratio_of, hertz_stiffness
 from model.device.stated import StatedDevice
+from model.physics.geometry import lever_if_flat
 from model.physics.parameters import Batch, Parameters, Shape
 from model.physics.units import Units
 from model.sweeps.settings import Ensemble
@@ -74,10 +75,8 @@ def on_bases(
     found = softest * (stiffest / softest) ** level
     stiffness = np.where(np.isnan(level), given["contact_stiffness"], found)
     ratio = np.array([math.nan if math.isnan(e) else damping_ratio_of(e) for e in restitution])
-    hole, beside = given["half_width"] * (1.0 + given["clearance"]), given["misalignment"]
-    arm = hole - beside  # as ``mass_at_edge``
-    if shape == "round":
-        arm = (hole**2 - given["half_width"] ** 2 - beside**2) / (2.0 * beside)
+    hole = given["half_width"] * (1.0 + given["clearance"])
+    arm = lever_if_flat(given["half_width"], hole, given["misalignment"], shape)
     mass = 1.0 / (1.0 + arm * arm / given["inertia"])
     damping = 2.0 * ratio * np.sqrt(stiffness * mass)
     damping = np.where(np.isnan(ratio), given["contact_damping"], damping)

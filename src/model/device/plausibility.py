@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping
 from model.device.base import mass_at_edge
 from model.device.holder import DIRECTIONS, critical_damping, natural_frequencies
 from model.device.spelling import in_per_cent
+from model.physics.geometry import farthest_round
 from model.physics.parameters import FIELDS, Shape
 from model.physics.quantities import LENGTH
 from model.physics.units import Device
@@ -129,9 +130,9 @@ def _start(given: Mapping[str, float], _device: Device) -> Iterator[str]:
 
 
 def _place(given: Mapping[str, float], shape: Shape) -> Iterator[str]:
-    width, delta = given["half_width"], given["clearance"]
-    at_start = given["half_height"] * math.tan(given.get("initial_tilt", 0.0))
-    farthest = math.hypot(width * math.sqrt(delta * (2.0 + delta)), at_start)  # (T8)
+    radius, tilt = given["half_width"], given.get("initial_tilt", 0.0)
+    hole = radius * (1.0 + given["clearance"])
+    farthest = farthest_round(radius, hole, given["half_height"], tilt)
     if shape == "round" and given["misalignment"] >= farthest:
         yield (
             f"{_mm(given, 'misalignment')}: the press tilts a round part of this clearance towards "

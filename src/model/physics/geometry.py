@@ -2,11 +2,16 @@
 
 import math
 from math import sqrt
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
 
 from model.compile.kernels import inlined_kernel
-from model.physics.parameters import Constants
+from model.physics.parameters import Constants, Shape
 from model.physics.trigonometry import sine_cosine, square_root
+
+Length = TypeVar("Length", float, NDArray[np.float64])
 
 
 class EdgePlace(NamedTuple):
@@ -137,11 +142,29 @@ def press_lever(p: Constants) -> float:
     return float(rim_x - p.misalignment)
 
 
+def lever_if_flat(half_width: Length, hole: Length, misalignment: Length, shape: Shape) -> Length:
+    """Return the lever of the press on a part that touches down flat (T7).
+
+    Lengths in any one unit, numbers or arrays; ``hole`` is the half width, or radius, of the hole.
+    """
+    if shape == "square":
+        return hole - misalignment
+    return (hole**2 - half_width**2 - misalignment**2) / (2.0 * misalignment)
+
+
+def farthest_round(half_width: float, hole: float, half_height: float, tilt: float) -> float:
+    """Return the misalignment up to which the press tilts a round part towards the hole (T8).
+
+    Lengths in any one unit, the ``tilt`` at the start in radians.
+    """
+    return math.hypot(math.sqrt(hole**2 - half_width**2), half_height * math.tan(tilt))
+
+
 def farthest_tilted(p: Constants) -> float:
-    """Return the misalignment up to which the press tilts a part towards the hole (T8)."""
+    """Return the misalignment up to which the press tilts a part towards the hole."""
     if not p.is_round:
         return float(p.slot_half_width)
-    return math.hypot(math.sqrt(_gap(p)), p.half_height * math.tan(p.initial_tilt))
+    return farthest_round(p.half_width, p.slot_half_width, p.half_height, p.initial_tilt)
 
 
 def lever_doubt(p: Constants) -> float:

@@ -97,6 +97,8 @@ class Step:
         tolerance: float = 1e-300,
         displacement: float | np.ndarray = 0.0,
         shape: str = "square",
+        *,
+        lossless: bool = False,
     ) -> None:
         rng = np.random.default_rng(8 * support + side)
         lanes = self.lanes = LANES[shape]
@@ -109,6 +111,9 @@ class Step:
         )
         named["contact_stiffness"][:] = 50.0
         named["friction"][:] = 0.3
+        for name in named if lossless else ():
+            if name == "friction" or name.endswith("_damping"):
+                named[name][:] = 0.0
         self.w[GIVEN - 2 : GIVEN] = rng.choice([-1.0, 1.0], (2, WIDTH))
         self.w[workspace.TIME], self.w[workspace.DEADLINE] = 0.3, 10.0
         self.w[workspace.TOLERANCE], self.w[workspace.LONGEST] = tolerance, longest
@@ -202,6 +207,31 @@ def test_the_series_solve_the_equations_of_motion_to_their_order(
         assert clean.sum() >= 5
         slope = np.polyfit(np.log(times[clean]), np.log(missed[clean]), 1)[0]
         assert slope >= 0.95 * (len(step.series) - 2)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_the_series_keep_energy_without_damping_and_friction(shape: str) -> None:
+    """Energy of motion, springs and base changes by the work of press and excitation alone."""
+    step = Step(SLIDES, SLIDES, 0.1, shape=shape, lossless=True)
+    nodes, weights = np.polynomial.legendre.leggauss(12)
+    end = 0.02
+    for lane in range(WIDTH):
+        p = step.constants(lane)
+
+        def energy(time: float, lane: int = lane, p: Constants = p) -> float:
+            q = State(*step.at(time, lane)[:6].tolist())
+            moving = q.x_rate**2 + q.y_rate**2 + p.inertia * q.tilt_rate**2
+            springs = p.lateral_stiffness * (q.x - p.rest_x) ** 2 + (q.y - p.rest_y) ** 2
+            springs += p.tilt_stiffness * (q.tilt - p.rest_tilt) ** 2
+            depths = support_on_face(RIGHT_EDGE, q, p).depth, edge_on_side(LEFT_EDGE, q, p).depth
+            return 0.5 * (moving + springs + p.contact_stiffness * np.square(depths).sum())
+
+        times = 0.5 * end * (nodes + 1.0)
+        force = p.press_force + np.sin(p.frequency * (0.3 + times) + p.phase)
+        work = -0.5 * end * weights @ (force * step.at(times, lane)[:, 4])
+        start = energy(0.0)
+        assert abs(energy(end) - start) > 1e-4
+        assert energy(end) - start == pytest.approx(work, abs=1e-11 * abs(start))
 
 
 def mode_of(kind: ModeKind, signs: np.ndarray) -> Mode:
