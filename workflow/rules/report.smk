@@ -56,6 +56,8 @@ rule report:
         expand("<results>/data/{figure}.nc", figure=COMPUTED),
         "<results>/benchmarks/precision.csv",
         "<results>/data/jamming.nc",
+        "<results>/data/null.nc",
+        "<results>/data/assumptions.nc",
         "<results>/claims.csv",
     output:
         page=report(

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+import xarray as xr
 
 from model.events.outcomes import Outcome
 from model.show.report.figures import HEAD, Counts, article, counts_of
@@ -12,6 +13,7 @@ from model.show.report.section import Results, Section, Table
 from model.show.words import figure_title, percent, short
 from model.study.claims.ledger import Line, read_ledger
 from model.study.config.figures import HISTORIES
+from model.study.evidence.worth import shown_by
 
 
 class Finding(NamedTuple):
@@ -39,7 +41,7 @@ def section(results: Results) -> Section:
         ),
         _of_aligned(counts, "unvibrated", "rests", "rests on the edge unless it is vibrated"),
         _of_aligned(counts, "insertion", "inserted", "goes in"),
-        _paper(read_ledger(results.file("claims.csv"))),
+        _paper(read_ledger(results.file("claims.csv")), results.dataset("data/null.nc")),
     ]
     known = [finding for finding in findings if finding is not None]
     content = {
@@ -94,8 +96,12 @@ def _of_aligned(
     return _share(share, f"of what aligns {words}", shares)
 
 
-def _paper(lines: Sequence[Line]) -> Finding:
+def _paper(lines: Sequence[Line], null: xr.Dataset) -> Finding:
     judged = [line.verdict for line in lines if line.verdict != "not checkable"]
     right, wrong = (judged.count(word) for word in ("reproduced", "contradicted"))
-    label = f"claims of the paper reproduced; {wrong} contradicted, the others in part"
+    random = shown_by(null)[0].numbers
+    label = (
+        f"claims of the paper reproduced, where random devices show {random.min()} to "
+        f"{random.max()}; {wrong} contradicted, the others in part"
+    )
     return Finding(f"{right} of {len(judged)}", label)
