@@ -22,8 +22,9 @@ COMPARED = {"precision", "draw_methods"}
 METHODS = {*COMPARED, *LAST}
 JUDGED = {"claims", *LAST}
 DRAWN = {"plot", *JUDGED}
+WEIGHED = {"null_part", "null", "assumptions", *JUDGED}
 COMPUTED = {
-    "sweep", "chunk", "merge", "claims_runs", *METHODS, *DRAWN, "explorer",
+    "sweep", "chunk", "merge", "claims_runs", *METHODS, *DRAWN, *WEIGHED, "explorer",
 }  # fmt: skip
 KERNELS = {"kernels", "unlocated_kernels", "page_engines"}
 EVERYTHING = {*KERNELS, "schematic", *COMPUTED}
@@ -35,7 +36,7 @@ EDITS = [
     ("src/model/physics/forces.py", "return -p.press_force", "return -1.01 * p.press_force",
      {*KERNELS, *COMPUTED}),
     ("benchmarks/methods/by_hand.py", *EDIT, {"unlocated_kernels", *METHODS}),
-    ("src/model/study/config/runs.py", *EDIT, {"explorer", *LAST}),
+    ("src/model/study/config/runs.py", *EDIT, {"explorer", *WEIGHED}),
     ("src/model/sweeps/io.py", '"complevel": 4', '"complevel": 5', COMPUTED - COMPARED),
     ("src/model/study/claims/claims.yaml", "least: 0.8", "least: 0.7", JUDGED),
     ("src/model/show/maps.py", "_SPREAD_FOR_LOG = 8.0", "_SPREAD_FOR_LOG = 9.0",

@@ -33,6 +33,7 @@ VERDICT = {
     "flag_values": np.arange(len(VERDICTS), dtype=np.int8),
     "flag_meanings": " ".join(verdict.replace(" ", "_") for verdict in VERDICTS),
 }
+_DRAW = {"units": "1", "long_name": "number of the draw"}
 CLAIM = {"long_name": "claim of the paper, by its identifier"}
 
 
@@ -88,8 +89,16 @@ def part_of(plan: NullPlan, part: int) -> "xr.Dataset":
     verdicts = verdicts_of(tables_at(plan.space, values, plan.grid), len(rows))
     return xr.Dataset(
         {"verdict": (("draw", "claim"), verdicts, VERDICT)},
-        {"draw": rows, "claim": [claim.id for claim in CLAIMS]},
-        {"figure": "null", "config_hash": plan.identity},
+        {
+            "draw": ("draw", rows, _DRAW),
+            "claim": ("claim", [claim.id for claim in CLAIMS], CLAIM),
+        },
+        {
+            "title": "A part of the verdicts on random devices",
+            "summary": "Verdicts on some of the devices that are drawn at random, of one kind.",
+            "figure": "null",
+            "config_hash": plan.identity,
+        },
     )
 
 
@@ -157,7 +166,7 @@ def merged(
         {
             "kind": ("kind", kinds, {"long_name": "kind of draws"}),
             "claim": ("claim", parts[0]["claim"].values, CLAIM),
-            "draw": ("draw", np.arange(len(verdicts)), {"units": "1", "long_name": "draw"}),
+            "draw": ("draw", np.arange(len(verdicts)), _DRAW),
             "kind_of_draw": ("draw", of_draw.astype(np.int8), kind_of_draw),
         },
         {

@@ -37,7 +37,7 @@ def bits(share: float, draws: int) -> float:
 
     A share below one draw cannot be told from one draw.
     """
-    return -math.log2(max(share, 1.0 / draws))
+    return math.log2(1.0 / max(share, 1.0 / draws))
 
 
 def weighed(lines: Iterable[Line], null: "xr.Dataset") -> list[Line]:
