@@ -103,10 +103,12 @@ def _draws(lines: Sequence[Line], null: xr.Dataset) -> Table:
     """List how many claims the draws of each kind show, and how many show as many as the study."""
     own = sum(line.verdict == "reproduced" for line in lines)
     rows = [
-        (title, each.size, each.min(), f"{np.median(each):g}", each.max(), (each >= own).sum())
-        for title, each in shown_by(null)
-    ]
-    return Table(("", ">draws", ">claims: least", ">median", ">most", ">as many as here"), rows)
+        (title, each.size, each.min(), f"{np.median(each):g}", each.max(), (each >= own).sum(),
+         f"{np.median(bits):.0f}", f"{bits.max():.0f}")
+        for title, each, bits in shown_by(null)
+    ]  # fmt: skip
+    heads = (">draws", ">claims: least", ">median", ">most", ">as many as here", ">bits: median")
+    return Table(("", *heads, ">most"), rows)
 
 
 def _assumptions(dataset: xr.Dataset) -> Table:

@@ -18,18 +18,20 @@ NEARLY_ANY = 0.8  # share of random devices from which nearly any shows a claim
 
 
 class Shown(NamedTuple):
-    """Numbers of claims that the draws of a kind reproduce, shape (draws,), with its words."""
+    """Numbers of claims that the draws of a kind reproduce, and their evidence, shape (draws,)."""
 
     title: str
     numbers: NDArray[np.int64]
+    bits: NDArray[np.float64]
 
 
 def shown_by(null: "xr.Dataset") -> list[Shown]:
     """Return how many claims the draws of each kind reproduce, in the order of the kinds."""
-    numbers = (null["verdict"] == REPRODUCED).sum("claim").values
-    of_draw = null["kind_of_draw"].values
-    titles = enumerate(null["title"].values)
-    return [Shown(str(title), numbers[of_draw == place]) for place, title in titles]
+    shown, of_draw = null["verdict"].values == REPRODUCED, null["kind_of_draw"].values
+    draws = int(np.count_nonzero(of_draw == 0))
+    worth = np.array([bits(share, draws) for share in null["share"].values[0].tolist()])
+    kinds = [(str(t), shown[of_draw == place]) for place, t in enumerate(null["title"].values)]
+    return [Shown(title, own.sum(axis=1), own @ worth) for title, own in kinds]
 
 
 def bits(share: float, draws: int) -> float:
@@ -81,6 +83,6 @@ def summary(lines: Iterable[Line], null: "xr.Dataset") -> str:
     trivial = sum(map(is_shown_by_nearly_any, judged))
     return (
         f"{own} of {len(judged)} reproduced, where {random.size} random devices show "
-        f"{random.min()} to {random.max()} (median {np.median(random):g}). Nearly any of these "
-        f"shows {trivial}. The evidence is {evidence(judged):.0f} bits."
+        f"{random.min()} to {random.max()} (median {np.median(random):g}); {trivial} are shown "
+        f"by nearly any of them. The evidence is {evidence(judged):.0f} bits."
     )
