@@ -9,6 +9,7 @@ from model.cli import main as cli
 from model.study.claims import CLAIMS
 from model.study.claims.regime import Regime
 from model.sweeps.io import write_dataset
+from tests.show.report_data import weighed_data
 from tests.study.claims_data import Course, falling, runs
 
 
@@ -35,12 +36,17 @@ def test_every_claim_has_a_line_and_the_last_counts(root: Path, capsys) -> None:
     numbers = dict(each.rsplit(" ", 1) for each in last.split(", "))
     assert list(numbers) == ["reproduced", "mixed", "contradicted", "not checkable"]
     assert sum(map(int, numbers.values())) == len(CLAIMS)
+    write_dataset(weighed_data()["null"], root / "data/null.nc")
+    assert cli.main(["claims", "--root", str(root)]) == cli.DONE
+    *_, last = capsys.readouterr().out.splitlines()
+    assert "where 4 random devices show 0 to" in last
     assert cli.main(["claims", "--root", str(root), "--json"]) == cli.DONE
     found = json.loads(capsys.readouterr().out)
     assert [each["claim"] for each in found] == [claim.id for claim in CLAIMS]
     (line,) = [each for each in found if each["claim"] == "F6d"]
     assert line["seen"] == "k_φ = 5: -1; k_φ = 7: -1"
     assert line["reason"]
+    assert float(line["bits"]) in (1.0, 2.0)
 
 
 def test_the_regime_is_a_line_for_every_figure(root: Path, capsys) -> None:

@@ -4,15 +4,18 @@ import base64
 import re
 from html.parser import HTMLParser
 
+import numpy as np
 import pytest
+import xarray as xr
 
 from benchmarks.plans import PICTURES
 from benchmarks.report import SECTIONS
 from benchmarks.work_precision import table_of as settings_table
 from model.show.report import page as report_page
 from model.show.report.section import Results
-from model.study.claims import Tables, judge
+from model.study.claims import CLAIMS, VERDICTS, Tables, judge
 from model.study.claims.ledger import ledger_text, lines_of
+from model.study.evidence.worth import weighed
 from model.study.plans import sweep_of
 from model.sweeps.io import write_dataset
 from model.sweeps.sweep import merge, run
@@ -86,9 +89,40 @@ def datasets(study):
     return found
 
 
+def weighed_data() -> dict[str, xr.Dataset]:
+    """Verdicts on four random devices and two further draws, and under two assumptions.
+
+    The first device shows every claim, the second every other one; the third and fourth show none.
+    """
+    claims = [claim.id for claim in CLAIMS]
+    verdicts = np.full((6, len(claims)), VERDICTS.index("contradicted"), dtype=np.int8)
+    verdicts[0], verdicts[1, ::2] = 0, 0
+    of_draw = np.array([0, 0, 0, 0, 1, 1], dtype=np.int8)
+    shares = [(verdicts[of_draw == row] == 0).mean(axis=0) for row in range(2)]
+    over = {"claim": claims}
+    null = xr.Dataset(
+        {
+            "verdict": (("draw", "claim"), verdicts),
+            "share": (("kind", "claim"), np.array(shares)),
+            "title": ("kind", ["random devices", "random points"]),
+        },
+        {"kind": ["devices", "points"], "kind_of_draw": ("draw", of_draw), **over},
+        {"figure": "null"},
+    )
+    under = xr.Dataset(
+        {
+            "verdict": (("assumption", "claim"), verdicts[:2]),
+            "title": ("assumption", ["as here", "as there"]),
+        },
+        {"assumption": ["own", "other"], **over},
+        {"figure": "assumptions"},
+    )
+    return {"null": null, "assumptions": under}
+
+
 @pytest.fixture(scope="module")
 def lines(datasets):
-    return lines_of(judge(Tables.of(datasets)))
+    return weighed(lines_of(judge(Tables.of(datasets))), weighed_data()["null"])
 
 
 @pytest.fixture(scope="module")
@@ -96,7 +130,8 @@ def root(study, datasets, lines, timed_settings, tmp_path_factory):
     root = tmp_path_factory.mktemp("results")
     for name, dataset in datasets.items():
         write_dataset(dataset, root / f"data/{name}.nc")
-    write_dataset(jamming_data(), root / "data/jamming.nc")
+    for name, dataset in {"jamming": jamming_data(), **weighed_data()}.items():
+        write_dataset(dataset, root / f"data/{name}.nc")
     sweep = sweep_of(study, "fig13_round")
     if_round = merge(sweep, study.spec_of("fig13_round").title, [run(sweep)])
     write_dataset(if_round, root / "data/fig13_round.nc")

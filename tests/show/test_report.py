@@ -22,7 +22,7 @@ from model.show.report.figures import HEAD, Counts
 from model.show.report.findings import wedging_words
 from model.show.report.section import Results, subscripts
 from model.show.words import figure_title, percent, short
-from model.study.claims import tally
+from model.study.claims import CLAIMS, tally
 from model.study.config import FIGURES, MAPS
 from model.study.jamming import entered, jammed, wedging_side
 from model.sweeps.io import write_dataset
@@ -275,6 +275,23 @@ def test_every_claim_is_told_with_its_verdict_and_where_it_is_seen(rendered, lin
         for words in (line.place, line.statement, line.reason):
             assert plain(str(subscripts(words))) in text
         assert f'id="claim-{line.claim}"' in part
+
+
+def test_the_verdicts_stand_beside_what_random_devices_and_other_assumptions_show(rendered, lines):
+    part = rendered[rendered.index('id="claims"') : rendered.index('id="jamming"')]
+    text = plain(part)
+    judged = [line for line in lines if line.demand]
+    own = sum(line.verdict == "reproduced" for line in judged)
+    every, half = len(CLAIMS), -(-len(CLAIMS) // 2)
+    assert f"{own} of {len(judged)} reproduced, where 4 random devices show 0 to {every}" in text
+    # A share of a half carries one bit, of a quarter two.
+    places = [place for place, line in enumerate(lines) if line.verdict == "reproduced"]
+    bits = sum(1.0 if place % 2 == 0 else 2.0 for place in places)
+    assert f"The evidence is {bits:.0f} bits." in text
+    all_bits = half + 2 * (every - half)
+    here = sum(own <= number for number in (every, half, 0, 0))
+    assert f"random devices40{half / 2:g}{every}{here}{half / 2:.0f}{all_bits}" in text
+    assert f"as there{half}0{every - half}{' '.join(c.id for c in CLAIMS[1::2])}" in text
 
 
 def test_jamming_is_counted_beside_the_wedging_limit(rendered):

@@ -193,6 +193,8 @@ def test_smoke_changes_only_sizes() -> None:
     assert {name: values_of(section) for name, section in smoke.items()} == {
         "figures": {"count", "chunks"},
         "maps": {"count", "chunks", "phases", "every"},
+        "evidence": {"count", "parts", *load_study(study_path()).evidence.grid.counts}
+        - {"fig05", "centred"},
         "accuracy": {"sets", "chunks", "sets_a_job"},
         "precision": {
             "tolerances", "steps", "max_evaluations", "max_evaluations_scipy", "every_method",

@@ -17,6 +17,9 @@ from model.device.design import Design, tried_of
 from model.device.design_files import design_dataset
 from model.device.maps import QuantityAxis, map_of
 from model.study.config import Study
+from model.study.config.identification import Grid
+from model.study.evidence.assumptions import OWN, assumptions_dataset, assumptions_plan
+from model.study.evidence.null import merged, null_plan, part_of
 from model.study.plans import sweep_of
 from model.sweeps.axes import Axis
 from model.sweeps.io import write_dataset
@@ -81,6 +84,26 @@ def design() -> xr.Dataset:
     return design_dataset(stated, Design(tried, 0, {}, {}))
 
 
+def judged(study: Study) -> dict[str, xr.Dataset]:
+    """Verdicts on random devices, a part and the whole, and under the study's assumptions."""
+    counts = {"fig06": 2, "fig07": 2}
+    tiny = Grid(counts=counts, horizon=1.0, tolerance=1e-4)
+    plan = null_plan(study, "devices")
+    few = plan.draws.model_copy(update={"count": 2, "parts": 1})
+    points = {"fig06": plan.space.problem.operating_points["fig06"]}
+    problem = plan.space.problem.model_copy(update={"operating_points": points})
+    space = plan.space.model_copy(update={"problem": problem})
+    plan = plan.model_copy(update={"draws": few, "grid": tiny, "space": space})
+    part = part_of(plan, 0)
+    under = assumptions_plan(study)
+    alone = {"grid": tiny, "space": space, "assumptions": {OWN: under.assumptions[OWN]}}
+    return {
+        "null_part": part,
+        "null": merged({"devices": plan}, ["random devices"], [part]),
+        "assumptions": assumptions_dataset(under.model_copy(update=alone), {}),
+    }
+
+
 @pytest.fixture(scope="module")
 def written(
     small_study: Callable[[int, int], Study],
@@ -96,6 +119,7 @@ def written(
         "map": merge(forces, "A map", [run(forces)]),
         "map_in_si": merge(in_si, "A map", [run(in_si)]),
         "design": design(),
+        **judged(study),
     }
     paths = {kind: tmp_path_factory.mktemp("files") / f"{kind}.nc" for kind in datasets}
     for kind, dataset in datasets.items():

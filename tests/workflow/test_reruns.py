@@ -22,8 +22,9 @@ COMPARED = {"precision", "draw_methods"}
 METHODS = {*COMPARED, *LAST}
 JUDGED = {"claims", *LAST}
 DRAWN = {"plot", *JUDGED}
+WEIGHED = {"null_part", "null", "assumptions", *JUDGED}
 COMPUTED = {
-    "sweep", "chunk", "merge", "claims_runs", *METHODS, *DRAWN, "explorer",
+    "sweep", "chunk", "merge", "claims_runs", *METHODS, *DRAWN, *WEIGHED, "explorer",
 }  # fmt: skip
 KERNELS = {"kernels", "unlocated_kernels", "page_engines"}
 EVERYTHING = {*KERNELS, "schematic", *COMPUTED}
@@ -35,9 +36,9 @@ EDITS = [
     ("src/model/physics/forces.py", "return -p.press_force", "return -1.01 * p.press_force",
      {*KERNELS, *COMPUTED}),
     ("benchmarks/methods/by_hand.py", *EDIT, {"unlocated_kernels", *METHODS}),
-    ("src/model/study/config/runs.py", *EDIT, {"explorer", *LAST}),
+    ("src/model/study/config/runs.py", *EDIT, {"explorer", *WEIGHED}),
     ("src/model/sweeps/io.py", '"complevel": 4', '"complevel": 5', COMPUTED - COMPARED),
-    ("src/model/study/claims/claims.yaml", "least: 0.8", "least: 0.7", JUDGED),
+    ("src/model/study/claims/claims.yaml", "least: 0.8", "least: 0.7", WEIGHED),
     ("src/model/show/maps.py", "_SPREAD_FOR_LOG = 8.0", "_SPREAD_FOR_LOG = 9.0",
      {"plot", *LAST}),
     ("workflow/scripts/merge.py", *EDIT, {"merge", *DRAWN, "explorer"}),
@@ -45,8 +46,9 @@ EDITS = [
 ]  # fmt: skip
 MORE_EDITS = [
     ("src/model/physics/geometry.py", "return ", "return 1.0 * ", EVERYTHING),
-    ("src/model/study/config/methods.py", "gt=0.0", "gt=1e-9", {*METHODS, "explorer"}),
-    ("src/model/study/config/accuracy.py", *EDIT, {"explorer", *LAST}),
+    ("src/model/study/config/methods.py", "gt=0.0", "gt=1e-9",
+     {*METHODS, "explorer", *WEIGHED}),
+    ("src/model/study/config/accuracy.py", *EDIT, {"explorer", *WEIGHED}),
     ("src/model/sweeps/settings.py", *EDIT, COMPUTED),
     ("src/model/sweeps/files.py", "0o666", "0o660", EVERYTHING),
     ("src/model/sweeps/sweep.py", "_STATIC = 1.0", "_STATIC = 2.0", COMPUTED - COMPARED),
@@ -126,7 +128,8 @@ def test_the_reason_of_a_rerun_names_the_file(project: Any) -> None:
 # A part of the configuration, and the rules that must run again
 STATED = [
     # Maps mark where other figures stand: they are drawn anew, and not computed.
-    ({"figures": {"fig11": {"held": {"press_force": 2.6}}}}, {"sweep", "explorer", *DRAWN}),
+    ({"figures": {"fig11": {"held": {"press_force": 2.6}}}},
+     {"sweep", "explorer", *DRAWN, *WEIGHED}),
     ({"figures": {"fig11": {"title": "Another title"}}}, {"sweep", "explorer", *DRAWN}),
     # Captions stand on the two pages, and in no dataset.
     ({"figures": {"fig11": {"caption": "Another caption."}}}, {"explorer", *LAST}),
@@ -134,7 +137,7 @@ STATED = [
     ({"figures": {"fig13": {"chunks": 2}}}, {"chunk", "merge", "explorer", *DRAWN}),
     ({"settings": {"tolerance": 1e-9}}, COMPUTED),
     ({"claims_runs": {"rubbing": {"held": {"frequency": 0.6}}}},
-     {"claims_runs", "plot", "explorer", *JUDGED}),
+     {"claims_runs", "plot", "explorer", *WEIGHED}),
 ]  # fmt: skip
 OF_ALL = {"explorer", "draw_methods", "claims", *LAST}
 

@@ -26,6 +26,7 @@ rule claims:
     input:
         expand("<results>/data/{figure}.nc", figure=COMPUTED),
         claims_data,
+        "<results>/data/null.nc",
     output:
         table=report("<results>/claims.csv", caption="../report/claims.rst", category="Claims"),
         record="<results>/claims.run.json",

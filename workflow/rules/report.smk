@@ -59,6 +59,8 @@ rule report:
         "<results>/benchmarks/precision.csv",
         expand("<results>/data/{map}.nc", map=IF_ROUND),
         "<results>/data/jamming.nc",
+        "<results>/data/null.nc",
+        "<results>/data/assumptions.nc",
         "<results>/claims.csv",
     output:
         page=report(

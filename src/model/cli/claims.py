@@ -19,8 +19,8 @@ def add(commands: Any) -> None:
         "claims",
         _claims,
         "list every claim of the paper with its verdict, by the data on disk",
-        ": one line a claim, and a last line that counts the verdicts. A claim whose dataset is "
-        "missing is not checkable.",
+        ": one line a claim, with the share of random devices that show it, and last lines that "
+        "count the verdicts and weigh them. A claim whose dataset is missing is not checkable.",
         epilog="exit code: 0 judged; 2 bad input",
     )
     add_root(parser, "results root")
@@ -39,6 +39,7 @@ def _claims(arguments: argparse.Namespace) -> int:
     # Imported here: importing xarray takes a second that no other command should wait for.
     from model.study.claims import Tables, judge, tally  # noqa: PLC0415
     from model.study.claims.ledger import lines_of  # noqa: PLC0415
+    from model.study.evidence.worth import summary, weighed  # noqa: PLC0415
     from model.sweeps.io import read_dataset  # noqa: PLC0415
 
     data: Path = arguments.root / "data"
@@ -53,7 +54,9 @@ def _claims(arguments: argparse.Namespace) -> int:
     tables = Tables.of({path.stem: read_dataset(path) for path in files})
     if arguments.regime:
         return _regime(tables, arguments.json)
-    lines = lines_of(judge(tables))
+    lines, null = lines_of(judge(tables)), data / "null.nc"
+    if null.is_file():
+        lines = weighed(lines, read_dataset(null))
     if arguments.json:
         print_json([asdict(line) for line in lines])
         return 0
@@ -64,12 +67,16 @@ def _claims(arguments: argparse.Namespace) -> int:
             "number": line.value,
             "must be": line.demand,
             "margin": line.margin and f"{float(line.margin):.2f}",
+            "random": line.random_devices,
             "statement": line.statement,
         }
         for line in lines
     ]
-    print("\n".join(table(rows, ("claim", "verdict", "number", "must be", "margin", "statement"))))
+    columns = ("claim", "verdict", "number", "must be", "margin", "random", "statement")
+    print("\n".join(table(rows, columns)))
     print(tally([line.verdict for line in lines]))
+    if null.is_file():
+        print(summary(lines, read_dataset(null)))
     return 0
 
 

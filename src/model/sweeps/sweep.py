@@ -22,7 +22,7 @@ from model.physics.units import Units
 from model.runs.align import align, run_once
 from model.runs.insertion_outcome import insertion_outcomes
 from model.runs.settings import Settings
-from model.runs.simulate import Trajectory, simulate
+from model.runs.simulate import Trajectory, simulate, simulate_once
 from model.runs.unvibrated import unvibrated_results
 from model.sweeps.axes import Axis, Family, Plan, points_of_chunk
 from model.sweeps.io import (
@@ -244,15 +244,16 @@ def _computed(
     found: dict[str, NDArray[Any]] = {"insertion_depth": batch.insertion_depths()}
     courses: dict[str, NDArray[Any]] = {}
     if sweep.kind == "history" or wanted & {*TRACK_QUANTITIES}:
-        tracks = [simulate(batch[row], settings) for row in range(len(batch))]
-    if sweep.kind == "history":
-        (track,) = tracks
-        found |= {name: np.array([getattr(track, name)]) for name in RESULTS}
-        courses = {"time": track.time, **track.track_variables}
-    elif wanted & _ESTIMATED:
+        simulated = simulate if wanted & _ESTIMATED else simulate_once
+        tracks = [simulated(batch[row], settings) for row in range(len(batch))]
+    if wanted & _ESTIMATED and sweep.kind != "history":
         found |= vars(align(batch, settings, cores=cores))
+    elif tracks:
+        found |= {name: np.array([getattr(each, name) for each in tracks]) for name in RESULTS}
     else:
         found |= run_once(batch, settings.quickest, cores=cores)
+    if sweep.kind == "history":
+        courses = {"time": tracks[0].time, **tracks[0].track_variables}
     if wanted & {*UNVIBRATED_CONTROL}:
         found |= unvibrated_results(batch, settings, cores)
     if wanted & {*IN_SLOT}:

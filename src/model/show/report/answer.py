@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+import xarray as xr
 
 from model.show.report.figures import HEAD, Counts, article, counts_of
 from model.show.report.section import Results, Section, Table, link
@@ -13,6 +14,7 @@ from model.study.claims import Tables
 from model.study.claims.ledger import Line, read_ledger
 from model.study.claims.regime import Regime, regime_of
 from model.study.config.figures import MAPS
+from model.study.evidence.worth import shown_by
 
 
 class Finding(NamedTuple):
@@ -32,7 +34,7 @@ def section(results: Results) -> Section:
     reliable = {name: _reliable(results, counts[name]) for name in MAPS}
     goes_in = {name: each.share_of("insertion", "inserted") for name, each in counts.items()}
     findings = [
-        _paper(lines),
+        _paper(lines, results.dataset("data/null.nc")),
         _contact(lines),
         _first_period(regimes),
         _shares("rests on the edge unless it is vibrated", _resting(regimes)),
@@ -58,10 +60,14 @@ def _row(name: str, own: Counts, regime: Regime, goes_in: float) -> Sequence[obj
     return title, percent(own.aligned_share), tau, *map(percent, shares)
 
 
-def _paper(lines: Sequence[Line]) -> Finding:
+def _paper(lines: Sequence[Line], null: xr.Dataset) -> Finding:
     judged = [line.verdict for line in lines if line.verdict != "not checkable"]
     right, wrong = (judged.count(word) for word in ("reproduced", "contradicted"))
-    label = f"claims of the paper reproduced; {wrong} contradicted, the others in part"
+    random = shown_by(null)[0].numbers
+    label = (
+        f"claims of the paper reproduced, where random devices show {random.min()} to "
+        f"{random.max()}; {wrong} contradicted, the others in part"
+    )
     return Finding(f"{right} of {len(judged)}", label)
 
 

@@ -13,9 +13,10 @@ from model.show import jamming as jamming_plot
 from model.show.report.section import Results, Section, Table, settings_of
 from model.show.words import figure_title, percent
 from model.study.claims import VERDICTS, Tables, tally
-from model.study.claims.ledger import read_ledger
+from model.study.claims.ledger import Line, read_ledger
 from model.study.claims.regime import regime_of
 from model.study.config.figures import COMPUTED
+from model.study.evidence.worth import is_shown_by_nearly_any, shown_by, summary
 from model.study.jamming import entered, in_jamming_diagram, jammed, wedging_side
 from model.sweeps.vibration import overshoot_of
 
@@ -70,6 +71,7 @@ def claims(results: Results) -> Section:
     titles = {name: run.title for name, run in results.study.claims_runs.items()}
     letters = dict(zip(titles, ascii_lowercase, strict=False))
     lines = read_ledger(results.file("claims.csv"))
+    null = results.dataset("data/null.nc")
 
     def source(name: str) -> tuple[str, str]:
         own = name in letters
@@ -77,17 +79,49 @@ def claims(results: Results) -> Section:
 
     content = {
         "tally": tally([line.verdict for line in lines]),
+        "worth": summary(lines, null),
+        "draws": _draws(lines, null),
+        "assumptions": _assumptions(results.dataset("data/assumptions.nc")),
+        "nearly_any": is_shown_by_nearly_any,
         "lines": lines,
         "signs": SIGNS,
         "source": source,
         "runs": results.picture("figures/claims", CLAIMS_CAPTION),
         "files": [
             ("the ledger (CSV)", "claims.csv"),
+            ("random devices (netCDF)", "data/null.nc"),
+            ("other assumptions (netCDF)", "data/assumptions.nc"),
             *((f"{of.lower()} (netCDF)", f"data/claims/{name}.nc") for name, of in titles.items()),
         ],
     }
     template = _FOLDER / "findings.claims.html.j2"
     return Section("claims", "What the paper says, judged", template, content)
+
+
+def _draws(lines: Sequence[Line], null: xr.Dataset) -> Table:
+    """List how many claims the draws of each kind show, and how many show as many as the study."""
+    own = sum(line.verdict == "reproduced" for line in lines)
+    rows = [
+        (title, each.size, each.min(), f"{np.median(each):g}", each.max(), (each >= own).sum(),
+         f"{np.median(bits):.0f}", f"{bits.max():.0f}")
+        for title, each, bits in shown_by(null)
+    ]  # fmt: skip
+    heads = (">draws", ">claims: least", ">median", ">most", ">as many as here", ">bits: median")
+    return Table(("", *heads, ">most"), rows)
+
+
+def _assumptions(dataset: xr.Dataset) -> Table:
+    """List the verdicts under each assumption, and the claims that turn; the study's own first."""
+    verdicts, claims = dataset["verdict"].values, dataset["claim"].values
+    shown = verdicts == VERDICTS.index("reproduced")
+    counts = [(verdicts == VERDICTS.index(each)).sum(axis=1) for each in VERDICTS[:3]]
+    rows = [
+        (title, *(int(count[row]) for count in counts), " ".join(claims[shown[0] & ~shown[row]]),
+         " ".join(claims[shown[row] & ~shown[0]]))
+        for row, title in enumerate(dataset["title"].values)
+    ]  # fmt: skip
+    heads = (f">{verdict}" for verdict in VERDICTS[:3])
+    return Table(("", *heads, "no longer reproduced", "reproduced instead"), rows)
 
 
 # --- Jamming ------------------------------------------------------------------------------------

@@ -89,6 +89,9 @@ class Line:
     reason: str
     reading: str
     shown_by: str
+    random_devices: str = ""  # shares of random draws that show it, and its evidence in bits
+    random_points: str = ""
+    bits: str = ""
 
     @property
     def sources(self) -> list[str]:

@@ -5,6 +5,7 @@ from pydantic import model_validator
 from model.physics.parameters import Parameters, check_name
 from model.study.config.accuracy import Accuracy
 from model.study.config.base import ParameterValues, Text
+from model.study.config.evidence import Evidence
 from model.study.config.figures import FIGURES, FigureSpec, Maps, Plane
 from model.study.config.identification import Identification
 from model.study.config.methods import Precision
@@ -36,6 +37,8 @@ class Study(Strict):
     """Curves that only the claims need, by name."""
     identification: Identification
     """The search for the parameters that the paper leaves unstated."""
+    evidence: Evidence
+    """Random devices and other assumptions, judged by the claims."""
     jamming: Jamming
     """Jamming in the slot over friction, clearance and tilt at entry."""
 

@@ -111,7 +111,7 @@ def scores_of(space: Space, structure: Array, figure: str, points: Array, grid: 
 def tables_of(devices: Sequence[Sequence[Sweep]], figures: Sequence[str]) -> Tables:
     """Return the tables of the sweeps of each device.
 
-    All grids are run as one batch, without estimates of errors. Runs of the claims, which are not
+    All grids are run as one batch, and no errors are estimated. Runs of the claims, which are not
     in ``figures``, have no unvibrated controls, which none of their claims reads.
     """
     pairs = [(device, each) for device, sweeps in enumerate(devices) for each in sweeps]
@@ -120,7 +120,7 @@ def tables_of(devices: Sequence[Sequence[Sweep]], figures: Sequence[str]) -> Tab
     for (device, sweep), is_gridded in zip(pairs, gridded, strict=True):
         if not is_gridded:
             table = table_of(merge(sweep, "", [run(sweep)]))
-            parts[sweep.name].append(table.assign(device=device))
+            parts[sweep.name].append(table.assign(device=device, sensitive=0))
     tables = {name: pd.concat(each) for name, each in parts.items()}
     return Tables(tables | _of_grids([*itertools.compress(pairs, gridded)], figures))
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from model.engines.results import RESULTS
+from model.engines.results import RESULTS, UNVIBRATED_CONTROL
 from model.study.config.identification import Grid, Problem
 from model.study.config.runs import ClaimRun
 from model.study.plans import sweep_of
@@ -35,9 +35,9 @@ ON_FACE = 0.95  # of the misalignment at which the edge A1 leaves the bottom fac
 TRACKED = ("centred", "pressed", "misaligned", "displaced")  # whose claims read trajectories
 REST_HORIZON, REST_TOLERANCE = 300.0, 1e-8  # what is not vibrated must be seen to come to rest
 _SCORED = (
-    *(name for name, result in RESULTS.items() if result.stored and name != "tau_error"),
-    "unvibrated", "unvibrated_tilt", "insertion",
-)  # fmt: skip
+    *(name for name, result in RESULTS.items() if result.stored and not result.estimated),
+    "insertion",
+)
 
 
 class Space(Plan):
@@ -126,7 +126,7 @@ class Space(Plan):
         if run:
             parameters |= run.changes(device["half_width"], float(self.fixed["clearance"] or 0.0))
         limits = {"horizon": grid.horizon, "tolerance": grid.tolerance}
-        if name in TRACKED or not self.dimensions[name]:
+        if parameters["frequency"] == 0.0 or not self.dimensions[name]:
             limits = {"horizon": REST_HORIZON, "tolerance": REST_TOLERANCE}
         dimensions = [
             _on_grid(each, grid.counts[name], parameters) for each in self.dimensions[name]
@@ -138,7 +138,7 @@ class Space(Plan):
             parameters=parameters,
             settings=self.settings.model_copy(update=limits),
             dimensions=dimensions,
-            variables=(*_SCORED, *(TRACK_QUANTITIES if name in TRACKED else ())),
+            variables=(*_SCORED, *(TRACK_QUANTITIES if name in TRACKED else UNVIBRATED_CONTROL)),
         )
 
 
@@ -199,6 +199,26 @@ def structure_of(values: Mapping[str, float]) -> dict[str, float]:
         "axial_damping": 2.0 * values["axial_damping_ratio"],
         "tilt_damping": values["tilt_damping_ratio"] * tilt,
     }
+
+
+def own_values(study: "Study", space: Space) -> dict[str, float]:
+    """Return the values of all unknowns of the study's own device; the reverse of ``Space``."""
+    device = study.baseline
+    lateral = 2.0 * math.sqrt(device.lateral_stiffness)
+    tilt = 2.0 * math.sqrt(TYPICAL_TILT_STIFFNESS * device.inertia)
+    values = {
+        "half_width": device.half_width,
+        "slenderness": device.half_height / device.half_width,
+        "inertia_ratio": device.inertia / bare_inertia(device.given()),
+        "lateral_stiffness": device.lateral_stiffness,
+        "lateral_damping_ratio": device.lateral_damping / lateral,
+        "axial_damping_ratio": device.axial_damping / 2.0,
+        "tilt_damping_ratio": device.tilt_damping / tilt,
+    }
+    for figure, priors in space.problem.operating_points.items():
+        held = study.parameters(figure)
+        values |= {f"{figure}.{name}": getattr(held, name) for name in priors}
+    return values
 
 
 def bare_inertia(values: Mapping[str, Any]) -> float:

@@ -1,0 +1,5 @@
+"""What the verdicts are worth (decision 43).
+
+``null`` judges devices drawn at random, ``assumptions`` the study's device under other assumptions,
+and ``worth`` weighs the ledger by what random devices show.
+"""

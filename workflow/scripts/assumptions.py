@@ -1,0 +1,11 @@
+"""Judge the device of the study under other assumptions."""
+
+from pathlib import Path
+
+from model.study.evidence.assumptions import AssumptionsPlan, assumptions_dataset
+from model.sweeps.io import write_dataset
+from model.tracking.job import recorded, snakemake
+
+with recorded(snakemake):
+    plan = AssumptionsPlan.model_validate(snakemake.params.plan)
+    write_dataset(assumptions_dataset(plan, snakemake.params.titles), Path(snakemake.output.data))

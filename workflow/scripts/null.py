@@ -1,0 +1,12 @@
+"""Merge the verdicts on random devices into one dataset."""
+
+from pathlib import Path
+
+from model.study.evidence.null import NullPlan, merged
+from model.sweeps.io import read_dataset, write_dataset
+from model.tracking.job import recorded, snakemake
+
+with recorded(snakemake):
+    plans = {kind: NullPlan.model_validate(each) for kind, each in snakemake.params.plans.items()}
+    parts = [read_dataset(Path(file)) for file in snakemake.input]
+    write_dataset(merged(plans, snakemake.params.titles, parts), Path(snakemake.output.data))

@@ -1,0 +1,12 @@
+"""Judge a part of the devices that are drawn at random."""
+
+from pathlib import Path
+
+from model.study.evidence.null import NullPlan, part_of
+from model.sweeps.io import write_dataset
+from model.tracking.job import recorded, snakemake
+
+with recorded(snakemake, part=True):
+    plan = NullPlan.model_validate(snakemake.params.plan)
+    part = part_of(plan, int(snakemake.wildcards.part))
+    write_dataset(part, Path(snakemake.output.data))
