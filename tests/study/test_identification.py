@@ -22,7 +22,7 @@ from model.study.identification.candidates import (
     short_of,
     short_of_aims,
 )
-from model.study.identification.hold_out import devices_of, hold_out, summary_of
+from model.study.identification.hold_out import devices_of, hold_out, measured, summary_of
 from model.study.identification.space import Space, bare_inertia, space_of, structure_of
 from model.study.identification.tables import (
     found_text,
@@ -288,18 +288,26 @@ def test_a_search_knows_only_its_figures(study, space):
     assert part.identity != space.identity
 
 
-def test_the_hold_out_judges_the_figures_that_the_search_has_not_seen(devices):
-    claims = {name for name in devices if name not in ("structure", "points")}
-    assert claims == {
+def checked_by(space: Space, grid: str) -> set[str]:
+    """Return the claims that only some figures can check, those on every figure left out."""
+    names = {name for each in space.figures for name in space.of_figure(each, space.grid(grid))}
+    return {
         claim.id
         for claim in CLAIMS
-        if {*UNSEEN} & {*claim.figures}
-        and claim.figures != EVERY_FIGURE
-        and not (claim.compares and {*claim.figures} - {*UNSEEN})
-    }
+        if names & {*claim.figures} and claim.figures != EVERY_FIGURE
+        and not (claim.check and claim.check.together and {*claim.figures} - names)
+    }  # fmt: skip
+
+
+def test_the_hold_out_judges_the_figures_that_the_search_has_not_seen(study, devices):
+    shown = devices.drop(columns=["structure", "points"])
+    for figures, rows in ((SEEN, shown[:1]), (UNSEEN, shown[1:])):
+        claims = rows.columns[rows.notna().all()]
+        assert set(claims) == checked_by(space_of(study, figures), "tiny")
+        assert rows.drop(columns=claims).isna().all(axis=None)
     counts = devices.groupby(["structure", "points"]).size()
     assert counts["random"].to_dict() == {"claims": 2, "drawn": 6, "regime": 2}
-    assert counts["searched"].to_dict() == {"claims": 1, "drawn": 3, "regime": 1}
+    assert counts["searched"].to_dict() == {"claims": 1, "drawn": 3, "regime": 1, "seen": 1}
 
 
 def test_points_chosen_by_regime_depend_on_no_claim(study, monkeypatch):
@@ -323,7 +331,20 @@ def test_points_chosen_by_regime_depend_on_no_claim(study, monkeypatch):
 
 def test_shares_of_a_hold_out_add_up_to_its_counts(devices):
     counts, shares = summary_of({"even": devices})
+    assert set(counts["half"]) == set(shares["half"]) == {"even"}
     for _, row in counts.iterrows():
-        column = shares[f"{row.structure}, {row.points}"]
+        column = shares[f"{row.structure}, {row.points}"].dropna()
         assert column.sum() == pytest.approx(row["mean"])
-        assert row.least <= row["mean"] <= row.most <= row.claims == len(column)
+        assert row["min"] <= row["mean"] <= row["max"] <= row.claims == len(column)
+
+
+def test_the_hold_out_on_record_is_of_the_claims_and_halves_of_today(study):
+    """Claims read anew, other figures in a half or another grid: `make hold-out` again."""
+    spec, counts = study.identification.hold_out, measured()
+    assert set(counts["half"]) == set(spec.halves)
+    for half, rows in counts.groupby("half"):
+        numbers = rows.set_index(["structure", "points"])
+        claims = checked_by(space_of(study, spec.halves[half]), spec.grid)
+        assert set(numbers["claims"].drop(("searched", "seen"))) == {len(claims)}
+        assert numbers["count"]["searched", "drawn"] == spec.repeats * spec.points
+        assert numbers["count"]["random", "claims"] == spec.structures

@@ -1,5 +1,6 @@
 """Sections on findings beyond the figures: vibration, the paper's claims, jamming."""
 
+import itertools
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -16,6 +17,7 @@ from model.study.claims import VERDICTS, Tables, tally
 from model.study.claims.ledger import read_ledger
 from model.study.claims.regime import regime_of
 from model.study.config.figures import COMPUTED
+from model.study.identification.hold_out import measured
 from model.study.jamming import entered, in_jamming_diagram, jammed, wedging_side
 from model.sweeps.vibration import overshoot_of
 
@@ -28,6 +30,12 @@ CLAIMS_CAPTION = (
     "not align and where the duration jumps; where another quantity is shown, a stroke marks runs "
     "that align."
 )
+POINTS: Mapping[str, str] = {
+    "seen": "the figures that it saw",
+    "drawn": "the others, at points drawn from the priors",
+    "regime": "the others, at points chosen by regime",
+    "claims": "the others, at points fitted to their claims",
+}
 SIGNS: Mapping[str, str] = dict(zip(VERDICTS, ("✓", "±", "✗", "–"), strict=True))
 _FOLDER = Path(__file__).parent
 
@@ -78,6 +86,7 @@ def claims(results: Results) -> Section:
 
     content = {
         "tally": tally([line.verdict for line in lines]),
+        "hold_out": _hold_out(),
         "lines": lines,
         "signs": SIGNS,
         "source": source,
@@ -89,6 +98,25 @@ def claims(results: Results) -> Section:
     }
     template = _FOLDER / "findings.claims.html.j2"
     return Section("claims", "What the paper says, judged", template, content)
+
+
+def _hold_out() -> Table:
+    """List what a search on half of the figures shows of the other, beside random structures."""
+    counts = measured().set_index(["half", "points", "structure"])
+
+    def spread(*which: str) -> str:
+        if which not in counts.index:
+            return "–"
+        mean, least, most = counts.loc[which, ["mean", "min", "max"]]
+        return f"{mean:.1f} ({least:.0f} to {most:.0f})" if least < most else f"{mean:g}"
+
+    rows = [
+        (half, words, int(counts.loc[(half, points, "searched"), "claims"]),
+         spread(half, points, "random"), spread(half, points, "searched"))
+        for half, (points, words) in itertools.product(counts.index.unique("half"), POINTS.items())
+    ]  # fmt: skip
+    heads = ">claims", ">random structures show", ">the structure found shows"
+    return Table(("not seen", "judged by", *heads), rows)
 
 
 # --- Jamming ------------------------------------------------------------------------------------

@@ -173,13 +173,12 @@ def _shorts(space: Space, tables: Tables) -> Array:
     shorts = np.zeros(len(CLAIMS))
     for row, claim in enumerate(CLAIMS):
         if claim.id not in space.problem.set_aside:
-            short = short_of(judge_here(claim, tables), is_whole=not SHARED[row])
-            shorts[row] = space.weights.get(claim.id, 1.0) * short
+            shorts[row] = short_of(judge_here(claim, tables), is_whole=not SHARED[row])
     return shorts
 
 
 def judge_here(claim: Claim, tables: Tables) -> Judgement:
-    """Return the verdict on a claim of the figures at hand; a comparison needs all of its own."""
+    """Return the verdict on a claim by those of its figures that are at hand."""
     here = tuple(name for name in claim.figures if name in tables.frames)
     if here and not claim.compares:
         claim = replace(claim, figures=here)

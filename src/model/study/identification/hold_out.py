@@ -2,13 +2,14 @@
 
 In figures that the search has not seen, its structure and random ones take operating points in
 three ways. ``drawn``: from the priors. ``regime``: in each figure the draw that rests, tilts little
-and aligns; no claim is read. ``claims``: the draws that show most, as a search would choose. So the
-first two predict, and the third is fitted. Claims on every figure are about the regime, which the
-search asks for, and are not counted.
+and aligns; no claim is read. ``claims``: as a search would choose. So the first two predict, and
+the third is fitted, as is all in the figures ``seen``. Claims on every figure are about the regime,
+which the search asks for, and are not counted.
 """
 
 from collections.abc import Mapping
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -38,14 +39,14 @@ _HOW = ["structure", "points"]
 def hold_out(seen: Space, unseen: Space, spec: HoldOut) -> pd.DataFrame:
     """Return what devices show of figures that the search has not seen, a row each.
 
-    Columns: ``structure``, "searched" or "random", of the same third of the half-widths;
-    ``points``, as operating points were taken; and by claim 1.0 if the device shows it, NaN if
-    these figures cannot check it.
+    The first row is of what was found, in the figures seen. Columns: ``structure``, "searched" or
+    "random", of the same third of the half-widths; ``points``, as operating points were taken; and
+    by claim 1.0 if the device shows it, NaN if the figures cannot check it.
     """
-    searched, random = _searched(seen, spec), random_of(unseen, _DRAWS, 0)
+    (searched, tables), random = _searched(seen, spec), random_of(unseen, _DRAWS, 0)
     low, high = bounds_of(spec.start, searched.size).T
     drawn = low + (high - low) * random.random((spec.structures, searched.size))
-    rows = []
+    rows: list[dict[str, Any]] = [{"structure": "searched", "points": "seen", **_shown(tables)}]
     for structure in [searched] * spec.repeats + [*drawn]:
         points = {
             figure: random.random((spec.points, len(priors)))
@@ -57,19 +58,19 @@ def hold_out(seen: Space, unseen: Space, spec: HoldOut) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def _searched(space: Space, spec: HoldOut) -> Array:
-    """Return the best structure of a short search, shape (7,)."""
+def _searched(space: Space, spec: HoldOut) -> tuple[Array, Tables]:
+    """Return the best structure of a short search, shape (7,), and the tables of its figures."""
     drawn = pool(space, spec.pool.structures, spec.pool.stages, spec.start)
     found = evolve(space, spec.round, 0, spec.start, drawn)
 
-    def result(number: int) -> tuple[float, Array]:
+    def result(number: int) -> tuple[float, Array, Tables]:
         choice, tables = final(space, spec.final.stages, number, found)
         values = space.values(choice.point)
         numbers = {name: numbers_of(name, tables, values) for name in space.figures}
-        return shortfall_at_last(space.problem, choice.shortfall, numbers), choice.point
+        return shortfall_at_last(space.problem, choice.shortfall, numbers), choice.point, tables
 
-    _, point = min(map(result, range(spec.final.sets)), key=lambda each: each[0])
-    return point[space.places["structure"]]
+    _, point, tables = min(map(result, range(spec.final.sets)), key=lambda each: each[0])
+    return point[space.places["structure"]], tables
 
 
 def devices_of(
@@ -110,13 +111,21 @@ def summary_of(halves: Mapping[str, pd.DataFrame]) -> tuple[pd.DataFrame, pd.Dat
 
     ``halves`` are the rows of ``hold_out`` by the half that the search has not seen.
     """
-    counts, shares = [], []
+    counts, shares = {}, {}
     for half, rows in halves.items():
-        claims = rows.columns.drop(_HOW)
-        number = rows[claims].sum(axis=1).groupby([rows[name] for name in _HOW])
-        count = number.agg(devices="count", mean="mean", least="min", most="max")
-        counts.append(count.assign(half=half, claims=len(claims)).reset_index())
-        share = rows.groupby(_HOW)[list(claims)].mean().T
-        share.columns = [f"{structure}, {points}" for structure, points in share.columns]
-        shares.append(share.assign(half=half).rename_axis("claim").reset_index())
-    return pd.concat(counts), pd.concat(shares)
+        shown = rows.drop(columns=_HOW)
+        by = [rows[name] for name in _HOW]
+        count = shown.sum(axis=1).groupby(by).agg(["count", "mean", "min", "max"])
+        counts[half] = count.assign(claims=shown.notna().sum(axis=1).groupby(by).max())
+        share = shown.groupby(by).mean().T
+        share.columns = [", ".join(each) for each in share.columns]
+        shares[half] = share
+    return (
+        pd.concat(counts, names=["half"]).reset_index(),
+        pd.concat(shares, names=["half", "claim"]).reset_index(),
+    )
+
+
+def measured() -> pd.DataFrame:
+    """Return how many claims devices show, as ``make hold-out`` last found: hold_out.csv."""
+    return pd.read_csv(Path(__file__).with_suffix(".csv"))

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field
 
 from model.engines.results import RESULTS
 from model.study.config.figures import FIGURES
@@ -51,7 +50,6 @@ class Space(Plan):
         dimensions: dimensions of each figure and run of the claims, on the study's own grid.
         runs: runs of the claims.
         settings: the study's own settings.
-        weights: of claims in the shortfall, 1 for one that is not named.
     """
 
     problem: Problem
@@ -59,7 +57,6 @@ class Space(Plan):
     dimensions: dict[str, list[Axis | Family]]
     runs: dict[str, ClaimRun]
     settings: RunSettings
-    weights: dict[str, float] = Field(default_factory=dict)
 
     @cached_property
     def figures(self) -> tuple[str, ...]:
