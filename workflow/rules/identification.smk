@@ -11,12 +11,6 @@ halves = search.hold_out.halves
 SCORED = expand("<results>/identification/final/{number}.json", number=range(search.final.sets))
 
 
-def space_without(unseen):
-    """Return the space of the figures that are not in a half."""
-    seen = [figure for half, each in halves.items() if half != unseen for figure in each]
-    return stated(space_of(study, seen))
-
-
 rule search_pool:
     input:
         "<results>/data/kernels.json",
@@ -130,7 +124,7 @@ rule hold_out_half:
         "<results>/logs/hold_out_half/{unseen}.log",
     params:
         *code("hold_out_half"),
-        seen=lambda wildcards: space_without(wildcards.unseen),
+        seen=lambda wildcards: stated(space_of(study, figures_without(wildcards.unseen))),
         unseen=lambda wildcards: stated(space_of(study, halves[wildcards.unseen])),
         effort=stated(search.hold_out),
     message:
