@@ -19,11 +19,12 @@ from model.physics.variants import VARIANT_NAMES
 from model.show.report import background
 from model.show.report.background import VARIANT_WORDS
 from model.show.report.figures import HEAD, Counts
-from model.show.report.findings import wedging_words
+from model.show.report.findings import POINTS, wedging_words
 from model.show.report.section import Results, subscripts
 from model.show.words import figure_title, percent, short
 from model.study.claims import CLAIMS, tally
 from model.study.config import FIGURES, MAPS
+from model.study.identification.hold_out import measured
 from model.study.jamming import entered, jammed, wedging_side
 from model.sweeps.io import write_dataset
 from tests.show.drawn import jamming_data
@@ -292,6 +293,17 @@ def test_the_verdicts_stand_beside_what_random_devices_and_other_assumptions_sho
     here = sum(own <= number for number in (every, half, 0, 0))
     assert f"random devices40{half / 2:g}{every}{here}{half / 2:.0f}{all_bits}" in text
     assert f"as there{half}0{every - half}{' '.join(c.id for c in CLAIMS[1::2])}" in text
+
+
+def test_the_page_says_what_a_search_predicts_of_figures_that_it_has_not_seen(rendered):
+    part = rendered[rendered.index('id="hold-out"') : rendered.index('id="jamming"')]
+    text = plain(part.replace("</td><td", "</td> <td"))
+    for _, row in measured().iterrows():
+        spread = f"{row['mean']:.1f} ({row['min']} to {row['max']})"
+        shown = spread if row["min"] < row["max"] else f"{row['mean']:g}"
+        beside = r"(\S+ \(\d+ to \d+\)|–) " if row.structure == "searched" else ""
+        judged = rf"{row.half} {POINTS[row.points]} {row.claims} {beside}{re.escape(shown)}"
+        assert re.search(judged, text), row
 
 
 def test_jamming_is_counted_beside_the_wedging_limit(rendered):

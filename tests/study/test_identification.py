@@ -4,16 +4,25 @@ import itertools
 import os
 import subprocess
 import sys
+from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from model.study.claims import CLAIMS, Tables, judge
+from model.study.claims.claims import EVERY_FIGURE
 from model.study.claims.ledger import Judgement
 from model.study.config import FIGURES, Study, check_study, load_study, read_study, study_path
-from model.study.config.identification import Round, Stage
+from model.study.config.identification import HoldOut, Round, Stage
 from model.study.identification import candidates, search
-from model.study.identification.candidates import Numbers, Scores, short_of, short_of_aims
+from model.study.identification.candidates import (
+    Numbers,
+    Scores,
+    short_of,
+    short_of_aims,
+)
+from model.study.identification.hold_out import devices_of, hold_out, measured, summary_of
 from model.study.identification.space import Space, bare_inertia, space_of, structure_of
 from model.study.identification.tables import (
     found_text,
@@ -247,3 +256,95 @@ def test_a_set_judged_at_last_has_the_verdicts_of_its_tables(space, found, tmp_p
         assert best == verdict
     with pytest.raises(LookupError, match=r"final\.sets"):
         search.final(space, [COARSE], 99, found)
+
+
+# --- Hold-out -------------------------------------------------------------------------------------
+
+SEEN, UNSEEN = ("fig07", "fig11"), ("fig08", "fig10")
+
+
+@pytest.fixture(scope="module")
+def devices(study: Study) -> pd.DataFrame:
+    """What devices show of figures that a tiny search has not seen."""
+    stages = [COARSE]
+    effort = HoldOut(
+        halves={},
+        start=2,
+        pool={"structures": 2, "parts": 1, "stages": stages},
+        round={"generations": 1, "population": 5, "stages": stages},
+        final={"sets": 1, "stages": stages},
+        grid="tiny",
+        points=3,
+        repeats=1,
+        structures=2,
+    )
+    return hold_out(space_of(study, SEEN), space_of(study, UNSEEN), effort)
+
+
+def test_a_search_knows_only_its_figures(study, space):
+    part = space_of(study, SEEN)
+    assert part.figures == SEEN
+    assert not [name for name in part.names if name.startswith(UNSEEN)]
+    assert part.identity != space.identity
+
+
+def checked_by(space: Space, grid: str) -> set[str]:
+    """Return the claims that only some figures can check, those on every figure left out."""
+    names = {name for each in space.figures for name in space.of_figure(each, space.grid(grid))}
+    return {
+        claim.id
+        for claim in CLAIMS
+        if names & {*claim.figures} and claim.figures != EVERY_FIGURE
+        and not (claim.check and claim.check.together and {*claim.figures} - names)
+    }  # fmt: skip
+
+
+def test_the_hold_out_judges_the_figures_that_the_search_has_not_seen(study, devices):
+    shown = devices.drop(columns=["structure", "points"])
+    for figures, rows in ((SEEN, shown[:1]), (UNSEEN, shown[1:])):
+        claims = rows.columns[rows.notna().all()]
+        assert set(claims) == checked_by(space_of(study, figures), "tiny")
+        assert rows.drop(columns=claims).isna().all(axis=None)
+    counts = devices.groupby(["structure", "points"]).size()
+    assert counts["random"].to_dict() == {"claims": 2, "drawn": 6, "regime": 2}
+    assert counts["searched"].to_dict() == {"claims": 1, "drawn": 3, "regime": 1, "seen": 1}
+
+
+def test_points_chosen_by_regime_depend_on_no_claim(study, monkeypatch):
+    unseen, random = space_of(study, UNSEEN), np.random.default_rng(4)
+    priors = unseen.problem.operating_points
+    points = {name: random.random((6, len(priors[name]))) for name in UNSEEN}
+
+    def devices() -> list[dict[str, Any]]:
+        return devices_of(unseen, np.full(7, 0.5), points, unseen.grid("tiny"))
+
+    before = devices()
+    monkeypatch.setattr(candidates, "short_of", lambda *_, **__: random.random())
+    after = devices()
+    assert [each["points"] for each in before] == ["drawn"] * 6 + ["regime", "claims"]
+    assert before[:7] == after[:7]
+    most = max(
+        sum(value for name, value in each.items() if name != "points") for each in before[:7]
+    )
+    assert sum(value for name, value in before[7].items() if name != "points") >= most - 2
+
+
+def test_shares_of_a_hold_out_add_up_to_its_counts(devices):
+    counts, shares = summary_of({"even": devices})
+    assert set(counts["half"]) == set(shares["half"]) == {"even"}
+    for _, row in counts.iterrows():
+        column = shares[f"{row.structure}, {row.points}"].dropna()
+        assert column.sum() == pytest.approx(row["mean"])
+        assert row["min"] <= row["mean"] <= row["max"] <= row.claims == len(column)
+
+
+def test_the_hold_out_on_record_is_of_the_claims_and_halves_of_today(study):
+    """Claims read anew, other figures in a half or another grid: `make hold-out` again."""
+    spec, counts = study.identification.hold_out, measured()
+    assert set(counts["half"]) == set(spec.halves)
+    for half, rows in counts.groupby("half"):
+        numbers = rows.set_index(["structure", "points"])
+        claims = checked_by(space_of(study, spec.halves[half]), spec.grid)
+        assert set(numbers["claims"].drop(("searched", "seen"))) == {len(claims)}
+        assert numbers["count"]["searched", "drawn"] == spec.repeats * spec.points
+        assert numbers["count"]["random", "claims"] == spec.structures

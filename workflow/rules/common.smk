@@ -56,3 +56,9 @@ def sets_before(wildcards):
             "<results>/identification/pool/{part}.csv", part=range(study.identification.pool.parts)
         )
     return f"<results>/identification/{wildcards.start}/{last}.csv"
+
+
+def figures_without(half):
+    """Return the figures of the halves but one, which a hold-out searches."""
+    halves = study.identification.hold_out.halves
+    return [figure for name, figures in halves.items() if name != half for figure in figures]

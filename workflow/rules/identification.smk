@@ -1,4 +1,4 @@
-"""The search for the parameters that the paper leaves unstated: `make identification`.
+"""The search for the parameters that the paper leaves unstated: `make identification`, `make hold-out`.
 
 A further entry in `rounds` goes on where the search has ended. The parts are kept: they take hours.
 """
@@ -7,6 +7,7 @@ from model.study.identification.space import space_of
 
 search = study.identification
 space = stated(space_of(study))
+halves = search.hold_out.halves
 SCORED = expand("<results>/identification/final/{number}.json", number=range(search.final.sets))
 
 
@@ -111,3 +112,40 @@ rule search_summary:
         "search: the sets that were found, and the device"
     script:
         "../scripts/search_summary.py"
+
+
+rule hold_out_half:
+    input:
+        "<results>/data/kernels.json",
+    output:
+        devices="<results>/identification/hold_out/{unseen}.csv",
+        record="<results>/identification/hold_out/{unseen}.run.json",
+    log:
+        "<results>/logs/hold_out_half/{unseen}.log",
+    params:
+        *code("hold_out_half"),
+        seen=lambda wildcards: stated(space_of(study, figures_without(wildcards.unseen))),
+        unseen=lambda wildcards: stated(space_of(study, halves[wildcards.unseen])),
+        effort=stated(search.hold_out),
+    message:
+        "hold-out: searching without the {wildcards.unseen} figures"
+    script:
+        "../scripts/hold_out_half.py"
+
+
+rule hold_out_summary:
+    input:
+        **{half: f"<results>/identification/hold_out/{half}.csv" for half in halves},
+    output:
+        counts="<results>/identification/hold_out.csv",
+        claims="<results>/identification/hold_out_claims.csv",
+        record="<results>/identification/hold_out.run.json",
+    log:
+        "<results>/logs/hold_out_summary.log",
+    localrule: True
+    params:
+        *code("hold_out_summary"),
+    message:
+        "hold-out: what was predicted, and what only fitted"
+    script:
+        "../scripts/hold_out_summary.py"

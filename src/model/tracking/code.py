@@ -37,7 +37,7 @@ def _module_file(name: str) -> Path | None:
 
 
 _KEPT = re.compile(r"[0-9a-f]{64}(?: [\w.]+)*\n")  # hash and imports; no damaged file matches
-_COMPANIONS = {".j2", ".yaml", ".html", ".js", ".css"}
+_COMPANIONS = {".j2", ".yaml", ".csv", ".html", ".js", ".css"}
 
 
 @cache

@@ -1,5 +1,6 @@
 """Sections on findings beyond the figures: vibration, the paper's claims, jamming."""
 
+import itertools
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -17,6 +18,7 @@ from model.study.claims.ledger import Line, read_ledger
 from model.study.claims.regime import regime_of
 from model.study.config.figures import COMPUTED
 from model.study.evidence.worth import is_shown_by_nearly_any, shown_by, summary
+from model.study.identification.hold_out import measured
 from model.study.jamming import entered, in_jamming_diagram, jammed, wedging_side
 from model.sweeps.vibration import overshoot_of
 
@@ -29,6 +31,12 @@ CLAIMS_CAPTION = (
     "not align and where the duration jumps; where another quantity is shown, a pale band "
     "marks runs that align."
 )
+POINTS: Mapping[str, str] = {
+    "seen": "the figures that it saw",
+    "drawn": "the others, at points drawn from the priors",
+    "regime": "the others, at points chosen by regime",
+    "claims": "the others, at points fitted to their claims",
+}
 SIGNS: Mapping[str, str] = dict(zip(VERDICTS, ("✓", "±", "✗", "–"), strict=True))
 _FOLDER = Path(__file__).parent
 
@@ -83,6 +91,7 @@ def claims(results: Results) -> Section:
         "draws": _draws(lines, null),
         "assumptions": _assumptions(results.dataset("data/assumptions.nc")),
         "nearly_any": is_shown_by_nearly_any,
+        "hold_out": _hold_out(),
         "lines": lines,
         "signs": SIGNS,
         "source": source,
@@ -122,6 +131,25 @@ def _assumptions(dataset: xr.Dataset) -> Table:
     ]  # fmt: skip
     heads = (f">{verdict}" for verdict in VERDICTS[:3])
     return Table(("", *heads, "no longer reproduced", "reproduced instead"), rows)
+
+
+def _hold_out() -> Table:
+    """List what a search on half of the figures shows of the other, beside random structures."""
+    counts = measured().set_index(["half", "points", "structure"])
+
+    def spread(*which: str) -> str:
+        if which not in counts.index:
+            return "–"
+        mean, least, most = counts.loc[which, ["mean", "min", "max"]]
+        return f"{mean:.1f} ({least:.0f} to {most:.0f})" if least < most else f"{mean:g}"
+
+    rows = [
+        (half, words, int(counts.loc[(half, points, "searched"), "claims"]),
+         spread(half, points, "random"), spread(half, points, "searched"))
+        for half, (points, words) in itertools.product(counts.index.unique("half"), POINTS.items())
+    ]  # fmt: skip
+    heads = ">claims", ">random structures show", ">the structure found shows"
+    return Table(("not seen", "judged by", *heads), rows)
 
 
 # --- Jamming ------------------------------------------------------------------------------------

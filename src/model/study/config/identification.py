@@ -69,6 +69,29 @@ class Polish(Scored):
     """Number of steps that are tried from each."""
 
 
+class HoldOut(Strict):
+    """A short search on half of the figures, judged by the other half."""
+
+    halves: dict[str, list[Text]]
+    """Figures of each half, by its name."""
+    start: int = Field(ge=0)
+    """Number of the search, which names its third of the half-widths."""
+    pool: Pool
+    """Structures to start from, in one part."""
+    round: Round
+    """The round of the search."""
+    final: Final
+    """Scores of the best structures, the best of which is judged."""
+    grid: Text
+    """Grid of the figures that the search has not seen."""
+    points: int = Field(ge=1)
+    """Operating points drawn for each figure of a structure."""
+    repeats: int = Field(ge=1)
+    """Number of times that points are drawn for the structure found."""
+    structures: int = Field(ge=1)
+    """Random structures to compare with, for each of which points are drawn once."""
+
+
 class Aims(Strict):
     """Aims of a set besides the claims; see decision 19."""
 
@@ -124,3 +147,5 @@ class Identification(Problem):
     """Scores on the study's own grids."""
     polish: Polish
     """Steps on the study's own grids."""
+    hold_out: HoldOut
+    """The search on half of the figures."""

@@ -22,7 +22,7 @@ from model.physics.parameters import FIELDS, Batch
 from model.runs.align import run_once
 from model.runs.insertion_outcome import insertion_outcomes
 from model.runs.unvibrated import unvibrated
-from model.study.claims.claims import CLAIMS
+from model.study.claims.claims import CLAIMS, Claim
 from model.study.claims.data import Tables, table_of, with_columns
 from model.study.claims.ledger import Judgement, judge_claim
 from model.study.claims.regime import regime_of
@@ -172,11 +172,17 @@ def _shorts(space: Space, tables: Tables) -> Array:
     """Return by how much each claim falls short in the tables of one figure, shape (claims,)."""
     shorts = np.zeros(len(CLAIMS))
     for row, claim in enumerate(CLAIMS):
-        here = tuple(name for name in claim.figures if name in tables.frames)
-        if here and claim.id not in space.problem.set_aside:
-            asked = claim if claim.compares else replace(claim, figures=here)
-            shorts[row] = short_of(judge_claim(asked, tables), is_whole=not SHARED[row])
+        if claim.id not in space.problem.set_aside:
+            shorts[row] = short_of(judge_here(claim, tables), is_whole=not SHARED[row])
     return shorts
+
+
+def judge_here(claim: Claim, tables: Tables) -> Judgement:
+    """Return the verdict on a claim by those of its figures that are at hand."""
+    here = tuple(name for name in claim.figures if name in tables.frames)
+    if here and not claim.compares:
+        claim = replace(claim, figures=here)
+    return judge_claim(claim, tables)
 
 
 def short_of(judgement: Judgement, is_whole: bool) -> float:
@@ -319,3 +325,9 @@ def costs_alone(
     resting = made.numbers[:, Numbers._fields.index("not_resting")]
     missed = short_of_aims(space.problem, figure, made.numbers)
     return np.asarray(own + missed + weight * resting)
+
+
+def picked_tables(figures: Mapping[str, Scores], picked: Mapping[str, int]) -> Tables:
+    """Return the tables of one operating point of each figure, by their numbers."""
+    each = [figures[name].tables.at(row).alone() for name, row in picked.items()]
+    return Tables({name: table for tables in each for name, table in tables.items()})

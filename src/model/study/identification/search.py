@@ -22,6 +22,7 @@ from model.study.identification.candidates import (
     Scores,
     chosen,
     costs_alone,
+    picked_tables,
     scores_of,
     shortfall_at_last,
 )
@@ -73,10 +74,10 @@ class Found:
 def pool(space: Space, structures: int, stages: Sequence[Stage], part: int) -> Found:
     """Return structures drawn from the priors by a Latin hypercube, with their best figures.
 
-    The structures of a part are of one third of the half-widths; see ``_bounds``.
+    The structures of a part are of one third of the half-widths; see ``bounds_of``.
     """
-    random, unknowns = _random(space, 0, part), space.places["structure"].stop
-    low, high = _bounds(part, unknowns).T
+    random, unknowns = random_of(space, 0, part), space.places["structure"].stop
+    low, high = bounds_of(part, unknowns).T
     drawn = qmc.LatinHypercube(unknowns, rng=random).random(structures)
     choices: list[Choice] = []
     for structure in low + (high - low) * drawn:
@@ -96,8 +97,8 @@ def evolve(space: Space, spec: Round, number: int, start: int, before: Found) ->
         start: number of the search, from 0; it keeps to a third of the half-widths.
         before: sets of the pool for the first round, else of the round before.
     """
-    random, where = _random(space, 1 + number, start), space.places["structure"]
-    bounds = _bounds(start, where.stop)
+    random, where = random_of(space, 1 + number, start), space.places["structure"]
+    bounds = bounds_of(start, where.stop)
     near = before.best(30, _DIFFERENT, where)
     choices: list[Choice] = []
 
@@ -123,7 +124,7 @@ def evolve(space: Space, spec: Round, number: int, start: int, before: Found) ->
     return Found.of(choices)
 
 
-def _bounds(number: int, unknowns: int) -> Array:
+def bounds_of(number: int, unknowns: int) -> Array:
     """Return the bounds of a part of the pool or a search, shape (unknowns, 2).
 
     Each keeps to a third of the half-widths, every third one to the same: slender and plump parts
@@ -154,7 +155,8 @@ def _worst(choices: Sequence[Choice], best: int) -> float:
     return ordered[best - 1] if len(ordered) >= best else math.inf
 
 
-def _random(space: Space, number: int, part: int) -> Generator:
+def random_of(space: Space, number: int, part: int) -> Generator:
+    """Return the random numbers of a part of the search, from the seed of the study."""
     return np.random.default_rng([space.problem.seed, number, part])
 
 
@@ -185,7 +187,7 @@ def scored(
     }
     for stage in stages:
         grid, figures, certain = space.grid(stage.grid), dict[str, Scores](), 0.0
-        for name in _ORDER:
+        for name in filter(space.figures.__contains__, _ORDER):
             figures[name] = scores_of(space, structure, name, points[name][: stage.points], grid)
             certain += float(costs_alone(space, name, figures[name], shared=0.0).min())
             if certain > _GIVE_UP * limit:
@@ -227,9 +229,9 @@ def final(
     """
     where, point = space.places["structure"], _numbered(space, found, number)
     parents = _nearest(point[where], found.points, where)[:60]
-    made = scored(space, point[where], parents, stages, _random(space, _FINAL, number))
+    made = scored(space, point[where], parents, stages, random_of(space, _FINAL, number))
     assert made is not None  # noqa: S101  (without a limit none is given up)
-    return made[0], _tables(*made)
+    return made[0], picked_tables(made[1], made[0].picked)
 
 
 def polish(
@@ -247,7 +249,7 @@ def polish(
         number: of the set, from 0.
         found: scored sets.
     """
-    where, random = space.places["structure"], _random(space, _POLISH, number)
+    where, random = space.places["structure"], random_of(space, _POLISH, number)
     point = _numbered(space, found, number)
     unmoved = [stage.model_copy(update={"points": 1}) for stage in stages]
     best = scored(space, point[where], point[None], unmoved, random)
@@ -260,7 +262,7 @@ def polish(
         made = scored(space, structure, point[None], stages, random, least / _GIVE_UP)
         if made and (cost := _cost_at_last(space, *made)) < least:
             best, least = made, cost
-    return best[0], _tables(*best)
+    return best[0], picked_tables(best[1], best[0].picked)
 
 
 def _numbered(space: Space, found: Found, number: int) -> Array:
@@ -280,9 +282,3 @@ def _cost_at_last(space: Space, choice: Choice, figures: Mapping[str, Scores]) -
         name: Numbers(*figures[name].numbers[row].tolist()) for name, row in choice.picked.items()
     }
     return shortfall_at_last(space.problem, choice.shortfall, numbers)
-
-
-def _tables(choice: Choice, figures: Mapping[str, Scores]) -> Tables:
-    """Return the tables of the chosen operating points."""
-    picked = [figures[name].tables.at(row).alone() for name, row in choice.picked.items()]
-    return Tables({name: table for each in picked for name, table in each.items()})

@@ -5,7 +5,7 @@ damping ratios and the inertia as a multiple of the bare part's, as the priors a
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model.engines.results import RESULTS, UNVIBRATED_CONTROL
+from model.study.config.figures import FIGURES
 from model.study.config.identification import Grid, Problem
 from model.study.config.runs import ClaimRun
 from model.study.plans import sweep_of
@@ -160,16 +161,18 @@ def _on_grid(dimension: Axis | Family, count: int, parameters: Mapping[str, Any]
     return dimension.model_copy(update={"count": count, **ends})
 
 
-def space_of(study: "Study") -> Space:
-    """Return the search space of a study; another device of the study is no other search."""
+def space_of(study: "Study", figures: Collection[str] = FIGURES) -> Space:
+    """Return the search space of some figures; another device of the study is no other search."""
     spec = study.identification
     stated = {**study.operating_point, **study.structure}
     names = (*spec.operating_points, *study.claims_runs)
+    problem = {name: getattr(spec, name) for name in Problem.model_fields}
+    searched = {name: priors for name, priors in spec.operating_points.items() if name in figures}
     # In a fixed order: Snakemake compares the texts of parameters, and a set's order changes.
     unknown = sorted({name for point in spec.operating_points.values() for name in point})
     fixed = {name: value for name, value in stated.items() if name not in {*unknown, *DEVICE}}
     return Space(
-        problem=Problem(**{name: getattr(spec, name) for name in Problem.model_fields}),
+        problem=Problem(**problem | {"operating_points": searched}),
         # A figure sets every unknown, or sweeps it: then no run uses the 1 that stands for it here.
         fixed={**dict.fromkeys(unknown, 1.0), "rest_x": None, "rest_y": None, **fixed},
         dimensions={name: sweep_of(study, name).dimensions for name in names},

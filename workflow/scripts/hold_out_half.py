@@ -1,0 +1,14 @@
+"""Search on the figures of one half, and judge those of the other."""
+
+from pathlib import Path
+
+from model.study.config.identification import HoldOut
+from model.study.identification.hold_out import hold_out
+from model.study.identification.space import Space
+from model.sweeps.files import write_text
+from model.tracking.job import recorded, snakemake
+
+with recorded(snakemake, part=True):
+    seen, unseen = (Space.model_validate(snakemake.params[name]) for name in ("seen", "unseen"))
+    devices = hold_out(seen, unseen, HoldOut.model_validate(snakemake.params.effort))
+    write_text(devices.to_csv(index=False), Path(snakemake.output.devices))
