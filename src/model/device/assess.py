@@ -232,7 +232,8 @@ def assess(
     if goes_in.all():
         return replace(result, leeways=leeways(device, is_reliable, is_late, held) if vary else ())
     failing = cases[int(np.argmin(goes_in))]
-    cause = cause_of(simulate_once(parameters_in(device, failing), settings))
+    failed = simulate_once(parameters_in(device, failing), settings)
+    cause = cause_of(failed, settings.shape or "square")
     result = replace(result, failing_start=stated_case(device, failing), cause=cause.words)
     if not vary:
         return result
