@@ -70,8 +70,8 @@ def _against(run: Trajectory, shape: Shape) -> str:
     """Return the largest tilt of a run in words, against the friction angle of its support.
 
     The support of a plane part slides under a vertical force if it is tilted by more than its
-    friction angle. Of a round part the common normal of the tips leans by less than the part, and
-    the wedge makes the friction angle larger.
+    friction angle. Of a round part the common normal of the tips leans otherwise than the part,
+    and the wedge makes the friction angle larger.
     """
     found = _lean(run, shape)
     tilt, normal, friction = (f"{math.degrees(each):.2g}°" for each in found)

@@ -23,11 +23,12 @@ from model.events.outcomes import (
     remedy,
 )
 from model.physics.parameters import FIELDS, Field, Parameters
-from model.physics.quantities import ANGLE, PLAIN, TIME, Quantity
+from model.physics.quantities import ANGLE, FORCE, PLAIN, TIME, Quantity
 from model.physics.units import UNITS, Units
 from model.runs.settings import Settings
 from model.show.assumptions import assumptions
 from model.show.explorer.page import packed
+from model.show.forces import until
 from model.show.si import display, scale
 from model.show.words import figure_title, symbol_parts
 from model.study.config.figures import CURVES, HISTORIES, MAPS, Curves, Map
@@ -194,6 +195,8 @@ def _model(
         "unvibrated": {int(each): text for each, text in UNVIBRATED_TEXT.items()},
         "panels": [_panel(panel, units) for panel in _PANELS],
         "time": _shown(units, TIME),
+        "force": _shown(units, FORCE),
+        "forces_known": until(settings),
     }
 
 
