@@ -117,10 +117,10 @@ def estimate(
         found.sensitive[again] = _ends_apart(Constants(*rows[again].T), own, neighbour)
         found.rhs_evaluations[again] += neighbour.rhs_evaluations
     results = RunResult(*found.results.T)
-    least = COARSER * tolerance if carrying is None else 0.0  # of a neighbour, as in _compare
-    found.sensitive[:] |= horizon - results.tau_align <= np.fmax(found.tau_error, least)
+    coarse = COARSER * tolerance if carrying is None else 0.0  # of a neighbour, as in _compare
+    found.sensitive[:] |= horizon - results.tau_align <= np.fmax(found.tau_error, coarse)
     inserted = results.tau_inserted  # the horizon begins anew at alignment
-    found.sensitive[:] |= horizon - inserted <= np.fmax(found.insertion_error, least)
+    found.sensitive[:] |= horizon - inserted <= np.fmax(found.insertion_error, coarse)
     return found
 
 
