@@ -5,6 +5,7 @@ Values are in the page's units: dimensionless for the study, SI for a device.
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from itertools import product
 from pathlib import Path
 from types import MappingProxyType
@@ -14,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model.engines.results import TRACK_VARIABLES
+from model.events.insertion import INSERTION
 from model.events.outcomes import (
     OUTCOME_TEXT,
     REASON_TEXT,
@@ -174,6 +176,7 @@ def _model(
 ) -> dict[str, Any]:
     """Return the content that every page has."""
     said = "; ".join(f"{name}: {words}" for name, words in assumed.items())
+    inserts = "inserted" in interface["events"]  # as the page's engines do, whatever the settings
     return {
         "title": title,
         "footer": f"Made by vibralign. Tolerance {settings.tolerance:g}, one run without an "
@@ -196,7 +199,7 @@ def _model(
         "panels": [_panel(panel, units) for panel in _PANELS],
         "time": _shown(units, TIME),
         "force": _shown(units, FORCE),
-        "forces_known": until(settings),
+        "forces_known": until(replace(settings, scene=INSERTION) if inserts else settings),
     }
 
 
