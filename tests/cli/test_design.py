@@ -37,6 +37,7 @@ def test_a_design_is_recommended_and_kept(capsys, peg, tmp_path):
     said = capsys.readouterr().out
     assert said.startswith("recommended            tilt_stiffness = 0.")
     assert "largest contact_force" in said
+    assert re.search(r"  of the force +edge [\d.]+ N, corner .*, until inserted\n", said)
     words = "reliable at the stated values; yield 100 % (94.34 % to 100 %, 95 % confidence)"
     assert f"verdict                {words} under the tolerances\n" in said  # 64 / (64 + 1.96²)
     assert re.search(r"largest time +[\d.]+ m?s until alignment\n", said)
@@ -78,10 +79,14 @@ def test_limits_that_cannot_be_kept_exit_with_1(capsys, peg):
     said = capsys.readouterr().out
     assert said.startswith("no setting of those tried keeps the limits")
     assert "what to relax          contact_force from 8 N to " in said
+    relax = next(line for line in said.splitlines() if line.startswith("what to relax"))
+    value = re.search(r"to ([\d.]+ N) ", relax)[1]
+    assert f", contact_force {value}, " in relax  # the number of that setting
+    assert relax.endswith("(tried)")
 
 
 def test_tolerances_that_are_too_wide_are_named(capsys, peg):
-    device = peg("time: 0.5 s", friction="0.6 ± 0.59")
+    device = peg("time: 0.5 s", friction="0.3 ± 0.29")
     assert cli.main(["design", "--device", device, *QUICK, *BASE]) == cli.FAILED
     said = capsys.readouterr().out
     assert said.startswith(
@@ -91,4 +96,18 @@ def test_tolerances_that_are_too_wide_are_named(capsys, peg):
         r"largest time .* until alignment, of the runs that go in \(limit 500 ms", said
     )
     assert "the tolerances" in next(x for x in said.splitlines() if x.startswith("what binds"))
-    assert "what to relax          no limit: " in said
+    assert "what to relax          no limit (tried)" in said
+    assert re.search(
+        "what to narrow +(half the tolerance of friction: margin|no tolerance alone)", said
+    )
+
+
+def test_a_device_that_goes_in_nowhere_is_told_the_cause_and_that_no_range_helps(capsys, peg):
+    device = peg("time: 0.5 s", friction="0.9 ± 0.1")
+    assert cli.main(["design", "--device", device, *QUICK, *BASE]) == cli.FAILED
+    said = capsys.readouterr().out
+    assert "cause                  it hardly slips: it sticks on the edge " in said
+    assert re.search("what binds .*the device itself: as stated it does not go in\n", said)
+    assert "what to widen          tilt_stiffness up to 0.5 N m/rad: no better (tried)" in said
+    assert "what to widen          tilt_stiffness down to 0.1 N m/rad: no better (tried)" in said
+    assert "what to relax          no limit (tried)" in said

@@ -241,6 +241,10 @@ def test_a_device_file_gives_results_in_si_units(capsys):
     time = re.search(r"alignment time +(\S+) ms\n", said)
     assert float(time[1]) == pytest.approx(1e3 * si["alignment_time_s"], rel=1e-3)
     assert re.search(r"largest normal force at one point, from this start +20 N\n", said)
+    words = (
+        "edge 20 N, corner 0 N, side 0 N, wall 0 N, until alignment: --scene insertion for those"
+    )
+    assert re.search(rf"  of the force +{words} in the hole\n", said)
     assert re.search(r"touch-down +one start, at phase 0 rad .*; vibralign assess takes all", said)
     assert si["results"]["contact_force_max"] == si["contact_force_max_N"]
     assert re.search(r"  velocity along y +\S+ mm/s\n", said)

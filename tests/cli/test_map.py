@@ -1,13 +1,14 @@
 """``vibralign map``: output, and refusals before anything is computed."""
 
 import math
+import re
 import sys
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
-from model import load_device, simulate
+from model import Batch, align, load_device, simulate
 from model.cli import main as cli
 from model.events.insertion import INSERTION
 from model.events.outcomes import Outcome
@@ -29,13 +30,15 @@ def test_a_map_is_written_and_drawn_for_any_device(tmp_path, capsys):
     out, err = capsys.readouterr()
     assert err == ""  # no progress where nobody looks
     lines, _, assumed = out.partition("assumed:\n")
+    words = "where it goes in, from the stated start, until inserted"
+    assert re.search(rf"largest force +[\d.]+ to [\d.]+ {words}\n", lines)
     # Half of the press force, at most the half-width, from 1 to 5.
     assert "inserted to a depth of 0.5 to " in assumed
     assert {line.split()[0] for line in assumed.splitlines()} == {
         "shape", "start", "touch-down", "goal", "base", "horizon", "precision",
     }  # fmt: skip
     assert {line.split()[0] for line in lines.splitlines()} == {
-        "goes", "reliable", "vibration", "sensitive",
+        "goes", "reliable", "vibration", "sensitive", "largest",
     }  # fmt: skip
     with xr.open_dataset(tmp_path / "map.nc") as stored:
         assert {"tau_align", "unvibrated", "start_outcome", "reliable", "margin"} <= set(stored)
@@ -46,6 +49,24 @@ def test_a_map_is_written_and_drawn_for_any_device(tmp_path, capsys):
         assert stored["start_outcome"].shape == (5, 5, 2, 16)  # a coarse map: at every node
         assert np.isin(stored["outcome"], list(Outcome)).all()
     assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_dimensionless_map_of_a_round_part_is_round(tmp_path):
+    given = ["--shape", "round", "--set", "misalignment=0.6"]
+    assert run(tmp_path, *given) == cli.DONE
+    with xr.open_dataset(tmp_path / "map.nc") as stored:
+        force, stiffness = (stored[name].values for name in ("press_force", "tilt_stiffness"))
+        axes = np.meshgrid(force, stiffness, indexing="ij")
+        own = baseline().replace(misalignment=0.6)
+        values = {"press_force": axes[0].ravel(), "tilt_stiffness": axes[1].ravel()}
+        found, outcomes = {}, stored["outcome"].values.ravel()
+        for shape in ("round", "square"):
+            settings = Settings(shape=shape, scene=INSERTION, horizon=30.0, tolerance=1e-7)
+            found[shape] = align(Batch.of(own, **values), settings)
+        assert (outcomes == found["round"].outcome).all()
+        assert not (outcomes == found["square"].outcome).all()
+        same = stored["contact_force_max"].values.ravel() == found["round"].contact_force_max
+        assert same.all()
 
 
 PEG = str(Path(__file__).parents[1] / "square" / "peg.yaml")

@@ -18,18 +18,21 @@ import pytest
 import xarray as xr
 import yaml
 
-from model import INSERTION, Settings, load_device, reliable_at, simulate
+from model import INSERTION, Settings, Trajectory, load_device, reliable_at, simulate
 from model.cli import main as cli
 from model.cli import sheet
-from model.device import yields
+from model.device import StatedDevice, yields
 from model.device.design import as_printed
-from model.device.design_trials import Trials
+from model.device.design_trials import MEASURES, Trials
+from model.device.reliability import FORCES, run_devices
 from model.engines.results import RunResult
 from model.events.outcomes import Outcome
+from model.physics.quantities import FORCE
 from model.physics.units import device as device_of
 from model.runs import in_browser
 from model.runs.in_browser import Modules, interface
 from model.show import device_sheet
+from model.show.si import si_words
 from model.study.config import load_study, study_path
 from model.sweeps.starts import starts_of
 from tests.runs.browser import Browser
@@ -107,6 +110,19 @@ def agreed(path: Path, folder: Path, capsys: pytest.CaptureFixture[str]) -> bool
     assert told["outcome"] == run.outcome.name.lower()
     aligns = math.nan if told["tau_align"] is None else told["tau_align"]
     assert aligns == pytest.approx(run.tau_align, nan_ok=True)
+    of_run = {place: getattr(run, name) for place, name in FORCES.items()}
+    newton = device.units.force
+    for place, name in FORCES.items():
+        assert told[name] == pytest.approx(of_run[place])
+        assert told["si"]["results"][name] == pytest.approx(of_run[place] * newton)
+    assert told["contact_force_max"] == max(of_run.values()) == run.contact_force_max
+    assert told["forces_known"] == "until inserted"
+    own_values = {"mass": np.array([own["mass"]])}
+    python = run_devices(device, own_values, starts_of_study(device), settings)
+    assert assessed["contact_force_max"] == pytest.approx(python.force[0], rel=1e-3)
+    assert assessed["contact_force_max"] >= 0.99 * run.contact_force_max * newton
+    for place, each in assessed["forces"].items():
+        assert each == pytest.approx(python.forces[place][0], rel=1e-3, abs=1e-9)
     if reliable:
         times = run.tau_align * device.units.time
         assert assessed["tau_best"] * 0.999 <= times <= assessed["tau_worst"] * 1.001
@@ -128,6 +144,10 @@ def agreed(path: Path, folder: Path, capsys: pytest.CaptureFixture[str]) -> bool
         if inserted:
             seconds = float(stored["tau_align"][1, 1])
             assert seconds == pytest.approx(run.tau_align * device.units.time, rel=1e-4)
+        force = stored["contact_force_max"]
+        assert float(force[1, 1]) == pytest.approx(run.contact_force_max * newton, rel=0.01)
+        assert force.attrs["units"] == "N"
+        assert force.attrs["comment"] == "from the stated start, until inserted"
         told, varying = json.loads(stored.attrs["assumptions"]), {"goal", "base", "horizon"}
         for name, words in assessed["assumptions"].items():
             assert told[name] == words or (name in varying and "corners of the map" in told[name])
@@ -137,27 +157,41 @@ def agreed(path: Path, folder: Path, capsys: pytest.CaptureFixture[str]) -> bool
     # The sheet, and the page that runs the device.
     if start == "pressed":
         assert cli.main(["assess", *file, *ROUGH, "--devices", "16", "--sheet", str(page)]) == 0
-        assert assessed["verdict"] in page.read_text(encoding="utf-8")
+        sheet_text = page.read_text(encoding="utf-8")
+        assert assessed["verdict"] in sheet_text
+        places = {place: si_words(each, FORCE) for place, each in assessed["forces"].items()}
+        listed = ", ".join(f"{place} {each}" for place, each in places.items())
+        assert f"{listed}, until inserted" in sheet_text
     assert cli.main(["explore", *file, *ROUGH, "--scene", "insertion", "--out", str(page)]) == 0
     text = page.read_text(encoding="utf-8")
-    for aligns in on_page(text, device.shape):
-        assert aligns == pytest.approx(run.tau_align, rel=1e-6, nan_ok=True)
+    for shown in on_page(text, device.shape):
+        for name in ("tau_align", *FORCES.values()):
+            expected = pytest.approx(getattr(run, name), rel=1e-6, nan_ok=True)
+            assert getattr(shown, name) == expected
+    assert '"forces_known": "until inserted"' in text or '"forces_known":"until inserted"' in text
     for name in ("base", "start", "horizon"):
         assert assessed["assumptions"][name] in text
 
     # What a design says of a setting is what assess says of it.
     setting = {name: own[name] for name in ("press_force", "frequency")}
     assert setting == {name: as_printed(v, 0.0, math.inf) for name, v in setting.items()}
-    starts = starts_of(device.parameters, load_study(study_path()).maps.ensemble)
+    starts = starts_of_study(device)
     free = {name: (0.5 * value, 2.0 * value) for name, value in setting.items()}
     check = Trials(replace(device, free=free), starts, settings, devices=16).check(setting)
+    if check.devices == assessed["yield"]["devices"]:
+        assert check.forces == pytest.approx(assessed["yield"]["forces"], rel=1e-6)
+        assert check.row[2 + MEASURES.index("contact_force")] == max(check.forces.values())
     assert check.going_in == assessed["yield"]["going_in"] or not reliable
     assert (check.row[0] == 1.0) is (reliable and assessed["yield"]["share"] == 1.0)
     return reliable
 
 
-def on_page(text: str, shape: str) -> list[float]:
-    """Return alignment times of a page's device and settings: by Python, by the page's engine."""
+def starts_of_study(device: StatedDevice) -> list[dict[str, float]]:
+    return starts_of(device.parameters, load_study(study_path()).maps.ensemble)
+
+
+def on_page(text: str, shape: str) -> list[Trajectory | RunResult]:
+    """Return the run of a page's device and settings: by Python, by the page's engine."""
     model = json.loads(text.partition('id="model">')[2].partition("</script>")[0])
     values = {name: v for name, v in model["baseline"].items() if v is not None}
     control = model["control"]
@@ -170,10 +204,10 @@ def on_page(text: str, shape: str) -> list[float]:
     )
     assert settings.shape == shape
     parameters = device_of(values).parameters
-    found = [simulate(parameters, settings).tau_align]
+    found: list[Trajectory | RunResult] = [simulate(parameters, settings)]
     if find_spec("wasmtime"):
         binary = gzip.decompress(base64.b64decode(model["modules"]["run_one"]))
         given = np.array([[np.nan if v is None else v for v in parameters.given().values()]])
         results, _ = Browser(binary, "run_one", model["interface"]).run(given, rows=0, **control)
-        found.append(RunResult(*results[0]).tau_align)
+        found.append(RunResult(*results[0]))
     return found

@@ -51,13 +51,23 @@ def test_a_leeway_ends_less_than_half_a_per_cent_before_a_failure(device):
     assert (friction.bounded_below, friction.bounded_above) == (False, True)
 
 
-def test_one_parameter_varies_at_a_time_in_two_batches(device):
+def test_one_parameter_varies_at_a_time_in_three_batches(device):
     is_reliable, calls = oracle(device, press_force=(0.99 * device.press_force, np.inf))
     assert {each.parameter for each in leeways(device, is_reliable)} == set(VARIED)
     for swept in calls:
         off = sum(values != getattr(device, name) for name, values in swept.items())
         assert (off == 1).all()
-    assert len(calls) == 2
+    assert len(calls) == 3
+
+
+def test_steps_may_be_tried_roughly_and_an_end_never_is(device):
+    """What is tried roughly is off by 5 %: the end of the range is the true one."""
+    device = device.replace(press_force=2.0)
+    roughly, steps = oracle(device, press_force=(0.0, 2.9 * 0.95))
+    is_reliable, parts = oracle(device, press_force=(0.0, 2.9))
+    found = leeways(device, is_reliable, roughly=roughly)
+    assert (len(steps), len(parts)) == (1, 4)  # of parts: the ends, the scan that was wrong, two
+    assert found == leeways(device, is_reliable)
 
 
 def test_trials_stop_at_the_bound_of_a_parameter_and_zero_has_no_leeway(device):

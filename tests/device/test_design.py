@@ -9,8 +9,10 @@ import pytest
 from model import Settings
 from model.device import design as designs
 from model.device import design_trials, load_device
+from model.device.amounts import Tolerance
 from model.device.design import as_printed, search, tried_of, with_tolerances
-from model.device.design_trials import FARTHEST, Trials
+from model.device.design_changes import halved, relaxed, widened
+from model.device.design_trials import FARTHEST, MEASURES, Trials
 from model.device.reliability import DeviceResults
 from model.events.outcomes import Unvibrated
 from model.runs.unvibrated import UnvibratedEnds
@@ -18,6 +20,7 @@ from model.runs.unvibrated import UnvibratedEnds
 PEG = Path(__file__).resolve().parents[1] / "square" / "peg.yaml"
 COARSE = Settings(horizon=60.0, tolerance=1e-6)
 STARTS = [{"phase": phase, "initial_tilt": 0.001} for phase in (0.0, 2.0, 4.0)]
+MEASURE = {name: 2 + place for place, name in enumerate(MEASURES)}  # in the results of a setting
 FREE = {"press_force": (4.0, 24.0), "tilt_stiffness": (0.1, 0.9)}
 
 
@@ -84,14 +87,17 @@ def test_vibration_may_be_asked_for_or_not(monkeypatch, tmp_path):
 
     monkeypatch.setattr(design_trials, "unvibrated", controls)
     needed, not_needed = (
-        search(trials({"vibration": share, "contact_force": 40.0}), 8, 12) for share in (1.0, 0.0)
+        search(trials({"vibration": share, "contact_force": 40.0}), 8, 12)[0]
+        for share in (1.0, 0.0)
     )
     assert needed.feasible
     assert not_needed.feasible
     assert needed.setting["press_force"] < 12.0 < not_needed.setting["press_force"]
-    none = search(trials({"vibration": 0.0, "contact_force": 20.0}), 4, 12)
+    one = trials({"vibration": 0.0, "contact_force": 22.0})
+    none, known = search(one, 4, 12)
     assert not none.feasible
-    assert set(none.to_relax()) == {"vibration", "contact_force"}
+    changes = relaxed(one, none, known)
+    assert {each.name for each in changes} == {"vibration", "contact_force"}
     text = PEG.read_text() + "limits: {vibration: needed}\n"
     (tmp_path / "peg.yaml").write_text(text)
     assert load_device(tmp_path / "peg.yaml").limits == {"vibration": 1.0}
@@ -102,10 +108,20 @@ def test_vibration_may_be_asked_for_or_not(monkeypatch, tmp_path):
 
 def test_the_best_setting_has_the_largest_margin_and_keeps_the_limits(monkeypatch):
     oracle(monkeypatch)
-    best = search(trials({"contact_force": 40.0}), 8, 12)
+    one = trials({"contact_force": 40.0})
+    best, known = search(one, 8, 12)
     assert best.feasible
     assert best.setting["press_force"] == pytest.approx(20.0, abs=1.0)  # 2 f0 = 40
-    assert best.binding(FREE) == ["limit of contact_force"]
+    assert best.binding == ["limit of contact_force"]
+    assert (best.check.forces["side"], best.check.forces["edge"]) == pytest.approx(
+        (best.tried.measures["contact_force"][best.best], 0.5 * best.check.forces["side"])
+    )
+    assert relaxed(one, best, known) == []
+    [wider] = widened(one, best, known)  # 60 N: the press force may be 24 N, the end of its range
+    assert (wider.kind, wider.name, wider.value) == ("limit", "contact_force", 60.0)
+    assert wider.better
+    assert wider.design.setting["press_force"] > 20.0
+    assert wider.design.check.devices == 64
     times = best.tried.measures["time"][best.front]
     assert (np.diff(times) > 0.0).all()
     assert (np.diff(best.tried.margin[best.front]) > 0.0).all()
@@ -113,11 +129,53 @@ def test_the_best_setting_has_the_largest_margin_and_keeps_the_limits(monkeypatc
 
 def test_a_limit_that_none_keeps_is_named_with_what_it_would_take(monkeypatch):
     oracle(monkeypatch)
-    best = search(trials({"time": 0.08, "contact_force": 22.0}), 8, 12)
+    one = trials({"time": 0.08, "contact_force": 22.0})
+    best, known = search(one, 8, 12)
     assert not best.feasible
-    relaxed = best.to_relax()  # time <= 0.08 asks for f0 >= 12.5, and a force of 25
-    assert relaxed["contact_force"] == pytest.approx(25.0, rel=0.1)
-    assert relaxed["time"] == pytest.approx(1.0 / 11.0, rel=0.1)  # at f0 = 11
+    assert best.check.devices == 64  # its numbers are those of all devices
+    changes = {each.name: each for each in relaxed(one, best, known)}
+    # time <= 0.08 asks for f0 >= 12.5, and a force of 25
+    assert changes["contact_force"].value == pytest.approx(25.0, rel=0.1)
+    assert changes["time"].value == pytest.approx(1.0 / 11.0, rel=0.1)  # at f0 = 11
+    for name, each in changes.items():  # of this setting, as all devices have it
+        design = each.design
+        assert each.value == design.tried.measures[name][design.best]
+        assert each.value == one.check(design.setting, stop=False).row[MEASURE[name]]
+        assert design.check.devices == 64
+
+
+def test_a_range_that_binds_is_widened_and_tried(monkeypatch):
+    oracle(monkeypatch)
+    one = trials({"time": 0.2})
+    narrow = replace(one, stated=replace(one.stated, free={**FREE, "press_force": (4.0, 8.0)}))
+    best, known = search(narrow, 4, 12)
+    assert best.near_ends == [("press_force", "upper")]
+    [wider] = widened(narrow, best, known)
+    assert (wider.kind, wider.name, wider.value) == ("upper end", "press_force", 10.0)
+    assert wider.better
+    assert wider.design.setting["press_force"] == 10.0
+    assert wider.design.tried.margin[wider.design.best] > best.tried.margin[best.best]
+
+
+def test_a_range_whose_widening_helps_nothing_says_so(monkeypatch):
+    oracle(monkeypatch, lambda force, friction: (force > 7.2) | (friction > 0.21))
+    one = trials()
+    narrow = replace(one, stated=replace(one.stated, free={**FREE, "press_force": (4.0, 7.0)}))
+    best, known = search(narrow, 4, 12)
+    assert best.near_ends == [("press_force", "upper")]
+    [wider] = widened(narrow, best, known)
+    assert not wider.better
+
+
+def test_the_tolerance_to_halve_is_the_one_that_makes_devices_fail(monkeypatch):
+    oracle(monkeypatch, lambda _, friction: friction > 0.18)
+    one = trials()
+    best, known = search(one, 1, 5)
+    assert 0.0 < best.tried.share[best.best] < 1.0
+    both = {**one.stated.tolerances, "misalignment": Tolerance("uniform", 0.1, relative=True)}
+    wide = replace(one, stated=replace(one.stated, tolerances=both))
+    assert set(halved(wide, best)) == {"friction"}
+    assert widened(one, best, known) == []
 
 
 def test_a_setting_that_the_quick_trial_takes_and_assess_does_not_is_not_recommended(monkeypatch):
@@ -127,7 +185,7 @@ def test_a_setting_that_the_quick_trial_takes_and_assess_does_not_is_not_recomme
     oracle(monkeypatch, fails)
     one = trials({"contact_force": 40.0})
     assert tried(one, [[20.0, 0.5], [9.0, 0.5]]).share.tolist() == [1.0, 1.0]
-    found = search(one, 6, 12)
+    found, _ = search(one, 6, 12)
     assert found.feasible
     assert found.setting["press_force"] <= 10.0
     assert (found.check.going_in, found.check.devices) == (64, 64)
@@ -147,7 +205,7 @@ def test_times_are_expected_to_grow_as_at_the_nearest_check(monkeypatch):
         return [(*row[:2], 0.7 * row[2], *row[3:]) for row in quick(self, points)]
 
     monkeypatch.setattr(Trials, "quick", optimistic)
-    found = search(one, 6, 12)
+    found, _ = search(one, 6, 12)
     assert found.feasible
     assert found.setting["press_force"] > 10.0  # the time is 1/f0, of the lightest press
     assert len(found.checks) < 6
@@ -169,7 +227,7 @@ def test_a_device_without_tolerances_gets_ten_per_cent():
 
 def test_the_design_of_the_peg_is_not_beaten_by_a_full_grid():
     limits = {"contact_force": 30.0, "time": 0.12}
-    best = search(trials(limits), 6, 12)
+    best, _ = search(trials(limits), 6, 12)
     assert best.feasible
     force, tilt = np.meshgrid(np.linspace(4.0, 24.0, 9), np.linspace(0.1, 0.9, 9))
     grid = tried(trials(limits), np.stack([force.ravel(), tilt.ravel()], axis=1))

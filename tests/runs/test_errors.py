@@ -249,3 +249,43 @@ def test_the_end_after_alignment_does_not_change_the_estimate(device):
     whole, alone = (align(batch, horizon=60.0, alignment_only=only) for only in (False, True))
     for name in ("tau_align", "tau_error", "outcome", "sensitive"):
         assert np.array_equal(getattr(whole, name), getattr(alone, name), equal_nan=True), name
+
+
+@pytest.mark.parametrize("shape", ["square", "round"])
+@pytest.mark.parametrize("tolerance", [1e-7, 1e-10])
+def test_a_horizon_within_the_error_of_an_alignment_is_flagged(device, tolerance, shape):
+    """A run that ends there, and one that aligns just before, are not certain; others are."""
+    if shape == "round":
+        device = device.replace(misalignment=0.2, tilt_stiffness=2.0, contact_stiffness=1600.0)
+    given = {"tolerance": tolerance, "shape": shape}
+    for friction in (0.05, 0.1, 0.15):
+        own = device.replace(friction=friction)
+        truth = align([own], shape=shape, tolerance=1e-13).tau_align[0]
+        for of in (lambda one, **more: align([one], **more), simulate):
+            found = of(own, **given)
+            tau, error = np.ravel(found.tau_align)[0], np.ravel(found.tau_error)[0]
+            for share in (-0.5, -0.1, 0.1, 0.5):
+                horizon = float(tau + share * error)
+                near = of(own, horizon=horizon, **given)
+                flagged = np.ravel(near.sensitive)[0]
+                # simulate may have run it again so finely that it is certain
+                certain = (np.ravel(near.outcome)[0] == Outcome.ALIGNED) == (horizon > truth)
+                assert flagged or (of is simulate and certain), (friction, share)
+            for share in (-1e4, 1e4):
+                far = of(own, horizon=float(tau + share * error), **given)
+                assert np.ravel(far.sensitive)[0] == np.ravel(found.sensitive)[0]
+                assert (np.ravel(far.outcome)[0] == Outcome.ALIGNED) == (share > 0.0)
+
+
+def test_a_horizon_within_the_error_of_an_insertion_is_flagged(device):
+    found = align([device], scene="insertion")
+    assert found.outcome[0] == Outcome.INSERTED
+    for horizon, flagged in (
+        (found.tau_inserted[0] + 0.5 * found.insertion_error[0], True),
+        (found.tau_align[0] + 10.0, False),
+    ):
+        again = align([device], scene="insertion", horizon=float(horizon))
+        if again.outcome[0] == Outcome.INSERTED:
+            assert again.sensitive[0] == flagged
+        else:
+            assert horizon < found.tau_align[0]

@@ -3,7 +3,7 @@
 import argparse
 import os
 import shlex
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import asdict, astuple, replace
 from functools import partial
 from pathlib import Path
@@ -21,13 +21,14 @@ from model.cli.files import check_file, check_picture
 from model.cli.progress import ProgressLine
 from model.cli.simulate import unvibrated_record
 from model.cli.tables import in_columns, print_json
-from model.events.outcomes import SUCCESS_TEXT, Outcome
+from model.events.outcomes import SUCCESS_TEXT
 from model.physics.parameters import Parameters
 from model.physics.quantities import ANGLE, FORCE, SPEED, STIFFNESS, TIME
 from model.physics.units import Units
 from model.runs.unvibrated import unvibrated_words
 from model.show import si
 from model.show.assumptions import assumptions, lines_of, source_words
+from model.show.forces import forces_words
 from model.show.lever import lever_record, lever_words, wall_words
 
 if TYPE_CHECKING:
@@ -219,8 +220,7 @@ def _verdict(
     force = si.in_words(result.contact_force_max, FORCE, units)
     tilt = si.in_words(result.tilt_max, ANGLE, units)
     lines.append(_line("at most", f"contact force {force}, tilt {tilt}, over all starts"))
-    at_places = {n: si.in_words(each, FORCE, units) for n, each in result.forces.items()}
-    lines.append(_line("  of the force", f"{_listed(at_places)}, {until(settings)}"))
+    lines.append(_line("  of the force", forces_words(result.forces, units, settings)))
     lines += lever_words(device, settings, units)
     lines += wall_words(device, settings, result.tilt_max, units)
     if result.if_square is not None:
@@ -238,17 +238,6 @@ def _verdict(
         start = ", ".join(f"{name} = {value:.4g}" for name, value in result.failing_start.items())
         lines += [_line("for example", start), _line("cause", result.cause)]
     return lines
-
-
-def until(settings: "Settings") -> str:
-    """Return in words until when forces are known."""
-    if settings.success is Outcome.INSERTED:
-        return "until inserted"
-    return "until alignment: --scene insertion for those in the hole"
-
-
-def _listed(words: Mapping[str, str]) -> str:
-    return ", ".join(f"{name} {each}" for name, each in words.items())
 
 
 def _base_row(base: "BaseVerdict", units: Units | None) -> tuple[str, ...]:
@@ -354,8 +343,8 @@ def _yield_report(
             listed = si.si_list(values, quantity, digits=digits)
             lines.append(_line(name, f"{listed} (5, 50, 95 %)"))
     if drawn.forces:
-        largest = {name: f"{si.si_words(each, FORCE)}" for name, each in drawn.forces.items()}
-        lines.append(_line("  at most", f"{_listed(largest)}, {until(settings)}"))
+        words = forces_words(drawn.forces, None, settings, in_si=True)
+        lines.append(_line("  at most", words))
     if drawn.sobol_indices:
         lines.append(
             "to blame, Sobol' indices: first order and total, of failure and of time, with their "

@@ -4,7 +4,7 @@ import argparse
 import os
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from model.cli.arguments import (
     Inputs,
@@ -22,14 +22,35 @@ from model.cli.tables import in_columns, print_json
 from model.device.stated import VIBRATION, StatedDevice
 from model.physics.quantities import ANGLE, FORCE, TIME
 from model.show.assumptions import as_attribute, assumptions_with, lines_of
-from model.show.si import named_words, si_words
+from model.show.forces import forces_words
+from model.show.si import named_words, quantity_of, si_words
 
 if TYPE_CHECKING:
+    from model.device.assess import Assessment
     from model.device.design import Design
+    from model.device.design_changes import Change
     from model.device.design_trials import Trials
+    from model.runs.settings import Settings
 
 _MEASURES = {"time": TIME, "contact_force": FORCE, "tilt": ANGLE}
 _line = "{:<23}{}".format
+
+
+class _Answer(NamedTuple):
+    """What is printed: the design, its trials, what assess says, and changes that were tried."""
+
+    design: "Design"
+    trials: "Trials"
+    assessed: "Assessment"
+    relaxed: "list[Change]"
+    widened: "list[Change]"
+    halved: "dict[str, Design]"
+
+    @property
+    def verdict(self) -> str:
+        """The verdict on the recommended setting, as ``assess`` gives it."""
+        check = self.design.check
+        return headline(self.assessed, check if check and check.devices else None)
 
 
 def add(commands: Any) -> None:
@@ -41,11 +62,11 @@ def add(commands: Any) -> None:
         "choose the free quantities of a device for the largest margin, then time",
         ". The device file names what is free (free: {press_force: 5 to 20 N}) and the limits "
         "(limits: {contact_force: 60 N, time: 0.2 s, tilt: 10 deg, vibration: needed}, or not "
-        "needed; time and tilt until alignment, not until insertion). Each setting is tried "
+        "needed; time and tilt until alignment, the force until inserted). Each setting is tried "
         "quickly, by devices within one, two and three times the tolerances. Of the settings with "
         "which all devices within the tolerances go in, the best is the one whose nearest failure "
         "is farthest, then the fastest. It is checked as `vibralign assess` checks it; if it does "
-        "not hold, the next best is.",
+        "not hold, the next best is. Then what binds is widened, and tried.",
         epilog="exit code: 0 a setting keeps the limits; 1 none of those tried does; 2 bad input",
     )
     add_model_options(parser, scene="insertion")
@@ -76,6 +97,7 @@ def _design(arguments: argparse.Namespace) -> int:
     trials, assumed_tolerances = _trials(arguments, given, seed)
     announce_compilation()
     from model.device.design import search  # noqa: PLC0415  (only this command)
+    from model.device.design_changes import halved, relaxed, widened  # noqa: PLC0415
 
     with ProgressLine() as line:
 
@@ -83,18 +105,21 @@ def _design(arguments: argparse.Namespace) -> int:
             line.begin(f"generation {generation} done, {tried:,} settings tried")
 
         line.begin("generation 1")
-        design = search(trials, generations, population, after)
+        design, known = search(trials, generations, population, after)
         line.begin("recommended setting")
-        verdict = _verdict(design, trials, given)
+        assessed = _assessed(design, trials, given)
+        line.begin("what to change")
+        changes = relaxed(trials, design, known), widened(trials, design, known)
+        answer = _Answer(design, trials, assessed, *changes, halved(trials, design))
     assumed = assumptions_with(
         trials.stated, design.setting, given.settings, given.study.maps.ensemble,
         tolerances_assumed=assumed_tolerances,
     )  # fmt: skip
     _write(arguments, design, trials.stated, assumed)
     if arguments.json:
-        print_json(_record(design, trials) | {"verdict": verdict, "assumptions": assumed})
+        print_json(_record(answer) | {"assumptions": assumed})
     else:
-        print("\n".join([*_report(design, trials, verdict), *lines_of(assumed)]))
+        print("\n".join([*_report(answer), *lines_of(assumed)]))
     return int(not design.feasible)
 
 
@@ -115,14 +140,13 @@ def _trials(arguments: argparse.Namespace, given: Inputs, seed: int) -> tuple["T
     return trials, stated is not given.stated
 
 
-def _verdict(design: "Design", trials: "Trials", given: Inputs) -> str:
+def _assessed(design: "Design", trials: "Trials", given: Inputs) -> "Assessment":
     """Return what ``assess`` says of the recommended setting."""
     from model.device.assess import assess  # noqa: PLC0415  (as in _design)
 
     stated = trials.stated.changed(**design.setting)
     settings = stated.run_settings(given.settings, stated.units)
-    result = assess(stated, settings, given.study.maps.ensemble, trials.cores, vary=False)
-    return headline(result, design.check if design.check and design.check.devices else None)
+    return assess(stated, settings, given.study.maps.ensemble, trials.cores, vary=False)
 
 
 def _write(
@@ -157,10 +181,10 @@ def _count(name: str, text: str, least: int) -> int:
     return int(value)
 
 
-def _report(design: "Design", trials: "Trials", verdict: str) -> list[str]:
+def _report(answer: _Answer) -> list[str]:
     from model.device.design_trials import POINTS  # noqa: PLC0415  (as in _design)
 
-    tried, best = design.tried, design.best
+    design, tried, best = answer.design, answer.design.tried, answer.design.best
     word = "recommended" if design.feasible else "nearest to it"
     margin = tried.margin[best]
     all_go_in = tried.share[best] >= 1.0
@@ -168,34 +192,45 @@ def _report(design: "Design", trials: "Trials", verdict: str) -> list[str]:
     if not design.feasible:
         rule = "keeps the limits" if all_go_in else "goes in with all devices within the tolerances"
         lines = [f"no setting of those tried {rule}"]
-    lines += [_line(word, named_words(design.setting)), _line("verdict", verdict)]
+    lines += [_line(word, named_words(design.setting)), _line("verdict", answer.verdict)]
+    if answer.assessed.cause:
+        lines.append(_line("cause", answer.assessed.cause))
     words = f"{margin:.3g} tolerances away" if margin < 3.0 else "none within three tolerances"
     words += f", on {POINTS} lines from every start" if design.feasible else ""
-    lines.append(_line("nearest failure", words))
+    lines += [_line("nearest failure", words), *_largest(design, answer.trials.settings)]
+    if "vibration" in design.limits:
+        share, asked = tried.measures["vibration"][best], _asked(design.limits["vibration"])
+        words = f"needed by {100.0 * share:.3g} % of the devices within the tolerances"
+        lines.append(_line("vibration", f"{words} (limit: {asked})"))
+    binding = [*design.binding, *([] if all_go_in else [_BINDS[bool(tried.share[best] > 0.0)]])]
+    lines.append(_line("what binds", ", ".join(binding) or "nothing: it lies inside"))
+    words = f"{tried.share.size} settings, quickly; {len(design.checks)} as assess checks them"
+    if design.check is not None:
+        words += f", this one by {design.check.devices} devices"
+    lines += [_line("tried", words), *_changes(answer)]
+    if design.feasible and len(design.front) > 1:
+        words = "front of time against margin, by quick trials: assess one before you take it"
+        lines += [words, *_front(design)]
+    return lines
+
+
+_BINDS = {True: "the tolerances", False: "the device itself: as stated it does not go in"}
+
+
+def _largest(design: "Design", settings: "Settings") -> list[str]:
+    """Return lines on the largest time, force and tilt of the recommended setting."""
+    lines = []
+    all_go_in = design.tried.share[design.best] >= 1.0
     for name, quantity in _MEASURES.items():
         limit = design.limits.get(name)
         most = "" if limit is None else f" (limit {si_words(limit, quantity)})"
         if name == "time":  # what does not go in has none
             most = f" until alignment{'' if all_go_in else ', of the runs that go in'}{most}"
-        value = si_words(float(tried.measures[name][best]), quantity)
+        value = si_words(float(design.tried.measures[name][design.best]), quantity)
         lines.append(_line(f"largest {name}", value + most))
-    if "vibration" in design.limits:
-        share, asked = tried.measures["vibration"][best], _asked(design.limits["vibration"])
-        words = f"needed by {100.0 * share:.3g} % of the devices within the tolerances"
-        lines.append(_line("vibration", f"{words} (limit: {asked})"))
-    binding = design.binding(trials.stated.free)
-    if not all_go_in:
-        binding.append("the tolerances")
-    lines.append(_line("what binds", ", ".join(binding) or "nothing: it lies inside"))
-    words = f"{tried.share.size} settings, quickly; {len(design.checks)} as assess checks them"
-    if design.check is not None:
-        words += f", this one by {design.check.devices} devices"
-    lines.append(_line("tried", words))
-    if not design.feasible:
-        lines += _relaxed(design)
-    elif len(design.front) > 1:
-        words = "front of time against margin, by quick trials: assess one before you take it"
-        lines += [words, *_front(design)]
+        if name == "contact_force" and design.check is not None and design.check.forces:
+            words = forces_words(design.check.forces, None, settings, in_si=True)
+            lines.append(_line("  of the force", words))
     return lines
 
 
@@ -209,30 +244,48 @@ def _front(design: "Design") -> list[str]:
     return in_columns(rows)
 
 
-def _relaxed(design: "Design") -> list[str]:
-    """Return a line for each limit that would suffice if it were relaxed."""
-    relaxed = design.to_relax()
-    if not relaxed:
-        share = design.tried.share[design.best]
-        words = "no limit alone: relax two, widen the free ranges or tighten the tolerances"
-        if share < 1.0:
-            words = "no limit: widen the free ranges, or tighten the tolerances (see assess)"
-        return [_line("what to relax", words)]
-    lines = []
-    for name, value in relaxed.items():
-        if name == "vibration":
-            words = f"vibration: leave out that it is {_asked(design.limits[name])}"
-            lines.append(_line("what to relax", words))
-            continue
-        limit, quantity = design.limits[name], _MEASURES[name]
-        change = 100.0 * (value / limit - 1.0)
-        words = f"{name} from {si_words(limit, quantity)} to {si_words(value, quantity)}"
-        number = design.relaxing()[name]
-        place = {n: float(v[number]) for n, v in design.tried.settings.items()}
-        known = "as assess checks it" if number in design.checks else "by a quick trial"
-        words += f" ({change:+.2g} %): {named_words(place)}, {known}"
-        lines.append(_line("what to relax", words))
+def _changes(answer: _Answer) -> list[str]:
+    """Return lines on what to relax, to widen or to narrow, each tried."""
+    design, lines = answer.design, []
+    for each in answer.relaxed:
+        if each.name == "vibration":
+            words = f"vibration: leave out that it is {_asked(design.limits[each.name])}"
+        else:
+            quantity, limit = _MEASURES[each.name], design.limits[each.name]
+            ends = f"{si_words(limit, quantity)} to {si_words(each.value, quantity)}"
+            words = f"{each.name} from {ends} ({100.0 * (each.value / limit - 1.0):+.2g} %)"
+        lines.append(_line("what to relax", f"{words}: {_gives(each.design)}"))
+    for wide in answer.widened:
+        words = _WIDER[wide.kind].format(wide.name)
+        quantity = _MEASURES[wide.name] if wide.kind == "limit" else quantity_of(wide.name)
+        words += f" {si_words(wide.value, quantity)}: "
+        words += _gives(wide.design) if wide.better else "no better (tried)"
+        lines.append(_line("what to widen", words))
+    for name, narrow in answer.halved.items():
+        words = f"half the tolerance of {name}: {_gives(narrow)}"
+        lines.append(_line("what to narrow", words))
+    share = design.tried.share[design.best]
+    if not design.feasible and design.limits and not answer.relaxed:
+        words = "no limit alone" if share == 1.0 else "no limit"
+        lines.append(_line("what to relax", f"{words} (tried)"))
+    if 0.0 < share < 1.0 and not answer.halved:
+        words = "no tolerance alone: with half of it some still fail (tried)"
+        lines.append(_line("what to narrow", words))
     return lines
+
+
+_WIDER = {"limit": "{} up to", "upper end": "{} up to", "lower end": "{} down to"}
+
+
+def _gives(design: "Design") -> str:
+    """Return the results of a setting in words, as they were checked."""
+    tried, best = design.tried, design.best
+    margin = tried.margin[best]
+    words = f"margin {margin:.2g}" if margin < 3.0 else "margin 3 or more"
+    parts = [f"{words} tolerances"]
+    for name, quantity in _MEASURES.items():
+        parts.append(f"{name} {si_words(float(tried.measures[name][best]), quantity)}")
+    return f"{', '.join(parts)} with {named_words(design.setting)} (tried)"
 
 
 def _asked(share: float) -> str:
@@ -240,12 +293,14 @@ def _asked(share: float) -> str:
     return next(words for words, each in VIBRATION.items() if each == share)
 
 
-def _record(design: "Design", trials: "Trials") -> dict[str, Any]:
+def _record(answer: _Answer) -> dict[str, Any]:
     from model.device.yields import CONFIDENCE  # noqa: PLC0415  (as in _design)
 
-    tried, best = design.tried, design.best
+    design, tried, best = answer.design, answer.design.tried, answer.design.best
     return {
         "feasible": design.feasible,
+        "verdict": answer.verdict,
+        "cause": answer.assessed.cause,
         "setting": design.setting,
         "yield": float(tried.share[best]),
         "yield_interval": design.interval,
@@ -253,8 +308,21 @@ def _record(design: "Design", trials: "Trials") -> dict[str, Any]:
         "devices": design.check and design.check.devices,
         "margin": float(tried.margin[best]),
         **{name: float(values[best]) for name, values in tried.measures.items()},
-        "binding": design.binding(trials.stated.free),
-        "relax": {} if design.feasible else design.to_relax(),
+        "forces": design.check.forces if design.check else {},
+        "binding": design.binding,
+        "relax": {each.name: _change_record(each) for each in answer.relaxed},
+        "widen": [
+            {"kind": each.kind, "name": each.name, "better": each.better, **_change_record(each)}
+            for each in answer.widened
+        ],
+        "narrow": {name: each.setting for name, each in answer.halved.items()},
         "tried": int(tried.share.size),
         "checked": len(design.checks),
     }
+
+
+def _change_record(change: "Change") -> dict[str, Any]:
+    tried, best = change.design.tried, change.design.best
+    measures = {name: float(values[best]) for name, values in tried.measures.items()}
+    margin = float(tried.margin[best])
+    return {"value": change.value, "setting": change.design.setting, "margin": margin, **measures}

@@ -24,7 +24,10 @@ from model.device.spelling import ends_of, plain
 from model.device.stated import QUANTITIES, StatedDevice, unit_of
 from model.events.outcomes import SUCCESS_TEXT
 from model.physics.parameters import PARAMETER_NAMES, check_name
+from model.physics.quantities import FORCE
 from model.show.assumptions import as_attribute, assumptions, assumptions_with, at_corners, lines_of
+from model.show.forces import until
+from model.show.si import si_list
 from model.sweeps.axes import Axis
 from model.sweeps.settings import RunSettings
 
@@ -86,6 +89,8 @@ def _map(arguments: argparse.Namespace) -> int:
         parts = [run(sweep, cores=os.cpu_count() or 1)]
     y, x = sweep.swept
     dataset = merge(sweep, f"Area of stable alignment over {x} and {y}", parts)
+    known = until(sweep.settings.settings)
+    dataset["contact_force_max"].attrs["comment"] = f"from the stated start, {known}"
     dataset = dataset.assign_attrs(assumptions=as_attribute(assumed))
     with writing():
         write_dataset(dataset, arguments.out)
@@ -171,9 +176,16 @@ def _report(dataset: "xr.Dataset") -> list[str]:
         ("vibration", f"{100.0 * by_vibration:.3g} %: does not align without it"),
         ("sensitive", f"{100.0 * float(dataset['sensitive'].mean()):.3g} %: may end differently"),
     ]
+    force = dataset["contact_force_max"].where(dataset["outcome"] == success)
+    if force.notnull().any():
+        least, most = float(force.min()), float(force.max())
+        is_si = force.attrs["units"] == FORCE.unit
+        words = si_list([least, most], FORCE, " to ") if is_si else f"{least:.4g} to {most:.4g}"
+        words += f" where it {SUCCESS_TEXT[success]}, {force.attrs['comment']}"
+        rows.append(("largest force", words))
     if "reliable" in dataset:
         share, nodes = float(dataset["reliable"].mean()), dataset["reliable"].size
         starts = dataset["start_outcome"].size // nodes
         words = f"{100.0 * share:.3g} % of {nodes:,} nodes, from each of {starts} starts"
         rows.insert(1, ("reliable", words))
-    return [f"{name:<14}{words}" for name, words in rows]
+    return [f"{name:<15}{words}" for name, words in rows]

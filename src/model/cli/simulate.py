@@ -17,6 +17,7 @@ from model.cli.arguments import (
 )
 from model.cli.files import check_file, check_picture, writing
 from model.cli.tables import print_json
+from model.device.reliability import FORCES
 from model.engines.results import RESULTS, TRACK_VARIABLES
 from model.engines.scalar.tableaux import DOP853
 from model.events.outcomes import SUCCESSES, Outcome, Unvibrated
@@ -29,6 +30,7 @@ from model.runs.settings import Settings
 from model.runs.simulate import Trajectory, simulate
 from model.runs.unvibrated import unvibrated_results, unvibrated_words
 from model.show.assumptions import assumptions, lines_of
+from model.show.forces import forces_words, until
 from model.show.lever import lever_record, lever_words, wall_words
 from model.show.si import in_words, natural_record, natural_words
 from model.sweeps.files import write_text
@@ -72,14 +74,14 @@ def _simulate(arguments: argparse.Namespace) -> int:
             record["si"] = _in_si(run, units) | natural_record(parameters, units) | lever
         print_json(record)
     else:
-        lines = _report(run, units)
+        lines = _report(run, units, settings)
         lines += lever_words(parameters, settings, units)
         lines += wall_words(parameters, settings, run.tilt_max, units)
         lines.append(natural_words(parameters, units))
         lines += [unvibrated_words(parameters, settings, ENGINE), *lines_of(assumed)]
         if units and arguments.dimensionless:
             one = f"one is {units.time:.4g} s, {units.amplitude:.4g} m, {units.force:.4g} N"
-            lines += ["", "dimensionless:", *_report(run, None)[1:], one]
+            lines += ["", "dimensionless:", *_report(run, None, settings)[1:], one]
         print("\n".join(lines))
     in_units = None if arguments.dimensionless else units
     if arguments.plot is not None:
@@ -123,7 +125,7 @@ def _within(value: float, error: float) -> str:
     return f"{value:.{places}f} ± {error:.1g}"
 
 
-def _report(run: Trajectory, units: Units | None) -> list[str]:
+def _report(run: Trajectory, units: Units | None, settings: Settings) -> list[str]:
     """Return the printed lines on a run: words and SI units, or variable names without units."""
     aligned = not math.isnan(run.tau_align)
     rows = [("outcome", f"{_name(run.outcome)}: {run.message}")]
@@ -134,7 +136,10 @@ def _report(run: Trajectory, units: Units | None) -> list[str]:
         error = _within(run.tau_align, run.tau_error)
         duration = in_words(run.tau_align, TIME, units) if units else error
     rows.append(("alignment time" if units else "tau_align", duration))
+    at_places = {place: getattr(run, name) for place, name in FORCES.items()}
     for name, result in RESULTS.items():
+        if units and name in FORCES.values():
+            continue  # they stand in one line
         text = result.printed(getattr(run, name))
         if text and not (units and name == "tau_error"):
             if units and result.quantity is not PLAIN:
@@ -142,6 +147,9 @@ def _report(run: Trajectory, units: Units | None) -> list[str]:
             meaning = result.meaning
             meaning += ", from this start" if meaning.startswith("largest") else ""
             rows.append((meaning if units else name, text))
+        if name == "contact_force_max":
+            words = forces_words(at_places, units, settings) if units else until(settings)
+            rows.append(("  of the force" if units else "  known", words))
     end = in_words(float(run.time[-1]), TIME, units) if units else f"τ = {run.time[-1]:.9g}"
     rows.append(("final state", f"at {end}"))
     for name, number in _final_state(run).items():
@@ -204,6 +212,7 @@ def _record(run: Trajectory, settings: Settings) -> dict[str, Any]:
         "start": settings.start or "simultaneous",
         "scene": settings.scene.name,
         "insertion_depth": settings.insertion_depth,
+        "forces_known": until(settings),
         "method": DOP853.name,
         "horizon": settings.horizon,
         "tolerance": settings.tolerance,

@@ -19,7 +19,13 @@ from model.device.batches import Values
 from model.device.cases import OF_BASE, cases_of, on_bases, parameters_in, stated_case
 from model.device.causes import cause_of, first_change
 from model.device.leeways import Leeway, Nearest, leeways, nearest, together
-from model.device.reliability import FORCES, are_late, are_reliable, from_every_start
+from model.device.reliability import (
+    FORCES,
+    STATISTICAL_TOLERANCE,
+    are_late,
+    are_reliable,
+    from_every_start,
+)
 from model.device.runs import AnyDevice, device_of
 from model.events.insertion import INSERTION
 from model.physics.parameters import Batch, Parameters
@@ -212,6 +218,10 @@ def assess(
     def is_reliable(values: Values) -> NDArray[np.bool_]:
         return are_reliable(device, values, cases, settings, cores)
 
+    def roughly(values: Values) -> NDArray[np.bool_]:
+        least = max(settings.tolerance, STATISTICAL_TOLERANCE)
+        return are_reliable(device, values, cases, replace(settings, tolerance=least), cores)
+
     def is_late(values: Values) -> NDArray[np.bool_]:
         return are_late(device, values, cases, settings, cores)
 
@@ -230,9 +240,11 @@ def assess(
     )
     held = _held(device, cases)
     if goes_in.all():
-        return replace(result, leeways=leeways(device, is_reliable, is_late, held) if vary else ())
+        ranges = leeways(device, is_reliable, is_late, held, roughly) if vary else ()
+        return replace(result, leeways=ranges)
     failing = cases[int(np.argmin(goes_in))]
-    cause = cause_of(simulate_once(parameters_in(device, failing), settings))
+    failed = simulate_once(parameters_in(device, failing), settings)
+    cause = cause_of(failed, settings.shape or "square")
     result = replace(result, failing_start=stated_case(device, failing), cause=cause.words)
     if not vary:
         return result

@@ -8,6 +8,10 @@ import numpy as np
 
 from model.device.leeways import Nearest
 from model.events.outcomes import REASON_TEXT, Outcome, Reason
+from model.physics.contacts import support_on_face
+from model.physics.notation import RIGHT_EDGE, State
+from model.physics.parameters import Batch, Constants, RoundConstants, Shape
+from model.physics.variants import Variants
 from model.runs.simulate import Trajectory
 
 _STICKS = 0.99  # share of the time
@@ -27,21 +31,30 @@ class Cause(NamedTuple):
     cures: Sequence[tuple[str, int]]
 
 
-def cause_of(run: Trajectory) -> Cause:
-    """Return the cause for which a run has failed."""
-    friction = run.parameters.friction
-    angle = f"a friction angle of {math.degrees(math.atan(friction)):.2g}°"
+class _Lean(NamedTuple):
+    """Largest angle by which the support's common normal leans, with the friction angle there."""
+
+    tilt: float
+    normal: float
+    friction: float
+
+
+def cause_of(run: Trajectory, shape: Shape) -> Cause:
+    """Return the cause for which a run of a part of this shape has failed."""
     tilt = f"{math.degrees(run.tilt_max):.2g}°"
     why = REASON_TEXT[run.reason]
     if not math.isnan(run.tau_align):
         return _in_hole(run, tilt)
     if run.outcome in (Outcome.SETTLED, Outcome.HORIZON_REACHED):
+        against = _against(run, shape)
         if run.sticking_share >= _STICKS:
-            words = f"it never slips: it sticks {100.0 * run.sticking_share:.3g} % of the time, "
-            return Cause(f"{words}tilted by at most {tilt} against {angle}", _SOFTER)
+            place = "the rim" if shape == "round" else "the edge"
+            place = place if run.state[-1, 2] >= 0.0 else "its corner"
+            words = f"it hardly slips: it sticks on {place} {100.0 * run.sticking_share:.3g} % of "
+            return Cause(f"{words}the time, {against}", _SOFTER)
         come = f"it has come {100.0 * way_of(run):.2g} % of the way to the hole"
         lifted = f"lifts off {run.separations} times" if run.separations else "never lifts off"
-        words = f"it slips, {lifted}, and tilts by at most {tilt}, against {angle}"
+        words = f"it slips, {lifted}, {against}"
         if run.outcome == Outcome.SETTLED:
             return Cause(f"the vibration moves it no further: {come}; {words}", _SOFTER)
         return Cause(f"too slow: at the horizon {come}; {words}", _SOFTER)
@@ -51,6 +64,34 @@ def cause_of(run: Trajectory) -> Cause:
     if run.outcome == Outcome.LEFT_SCENE:
         return Cause(f"it topples or jumps off: {why}, tilted by up to {tilt}", _HOLDS)
     return Cause(f"the run cannot be finished: {why}", ())
+
+
+def _against(run: Trajectory, shape: Shape) -> str:
+    """Return the largest tilt of a run in words, against the friction angle of its support.
+
+    The support of a plane part slides under a vertical force if it is tilted by more than its
+    friction angle. Of a round part the common normal of the tips leans otherwise than the part,
+    and the wedge makes the friction angle larger.
+    """
+    found = _lean(run, shape)
+    tilt, normal, friction = (f"{math.degrees(each):.2g}°" for each in found)
+    if shape == "round":
+        words = (
+            f"tilted by at most {tilt}: the normal at the tips then leans by {normal}, against a"
+        )
+        return f"{words} friction angle of {friction} in the wedge"
+    return f"tilted by at most {tilt} against a friction angle of {friction}"
+
+
+def _lean(run: Trajectory, shape: Shape) -> _Lean:
+    """Return lean and friction angle at the largest tilt towards the hole, from the contact."""
+    row = Batch.stack([run.parameters]).constants(Variants.consistent())[0].tolist()
+    p = (RoundConstants if shape == "round" else Constants)(*row)
+    state = State(*run.state[int(np.argmax(run.state[:, 2]))].tolist())
+    contact = support_on_face(RIGHT_EDGE, state, p)
+    normal = math.hypot(*contact.normal[:2])  # 1/w of the wedge
+    lean = math.atan2(contact.tangent[1], contact.tangent[0])
+    return _Lean(state.tilt, lean, math.atan(run.parameters.friction / normal))
 
 
 def _in_hole(run: Trajectory, tilt: str) -> Cause:

@@ -6,7 +6,8 @@ go in from every start. Its *margin* is the distance, in tolerances, of the near
 on ``POINTS`` lines from the setting, at most ``FARTHEST``. The best setting has the largest yield,
 keeps the limits, has the largest margin in steps of ``MARGIN_STEP``, and is then the fastest.
 Differential evolution (scipy) seeks it by quick trials. The best settings are then checked as
-``assess`` does, until one holds. The search is seeded.
+``assess`` does, until one holds. The search is seeded. What would help is tried as well
+(design_changes.py).
 """
 
 import math
@@ -34,6 +35,8 @@ NEAR = 0.05  # share of a limit or range within which it binds
 
 Setting = tuple[float, ...]
 """Values of the free quantities in SI units, in the order of the device's file."""
+Known = dict[Setting, Row]
+"""Results of quick trials."""
 
 
 @dataclass(frozen=True)
@@ -90,12 +93,14 @@ class Design:
         best: number of the recommended setting.
         limits: limits of the search.
         checks: results of the settings that were checked, by their numbers.
+        free: ranges of the search.
     """
 
     tried: Tried
     best: int
     limits: Mapping[str, float]
     checks: Mapping[int, Check]
+    free: Mapping[str, tuple[float, float]]
 
     @property
     def check(self) -> Check | None:
@@ -130,35 +135,30 @@ class Design:
                 margin = float(self.tried.margin[i])
         return np.array(front, dtype=np.int64)
 
-    def binding(self, free: Mapping[str, tuple[float, float]]) -> list[str]:
-        """Return the limits, and ends of ranges, that the recommended setting is ``NEAR`` to."""
-        binding = [
-            f"limit of {name}"
+    @property
+    def binding(self) -> list[str]:
+        """Limits, and ends of ranges, that the recommended setting is ``NEAR`` to."""
+        ends = [f"{side} end of {name}" for name, side in self.near_ends]
+        return [*(f"limit of {name}" for name in self.near_limits), *ends]
+
+    @property
+    def near_limits(self) -> list[str]:
+        """Names of the limits that the recommended setting is ``NEAR`` to."""
+        return [
+            name
             for name, limit in self.limits.items()
             if name != "vibration" and self.tried.measures[name][self.best] > (1.0 - NEAR) * limit
         ]
-        for name, (low, high) in free.items():
+
+    @property
+    def near_ends(self) -> list[tuple[str, str]]:
+        """Names and sides of the ends of ranges that the recommended setting is ``NEAR`` to."""
+        ends = []
+        for name, (low, high) in self.free.items():
             value, near = self.setting[name], NEAR * (high - low)
-            if value < low + near:
-                binding.append(f"lower end of {name}")
-            if value > high - near:
-                binding.append(f"upper end of {name}")
-        return binding
-
-    def to_relax(self) -> dict[str, float]:
-        """Return by name the least value of a limit that some setting keeps with all others."""
-        numbers = self.relaxing().items()
-        return {name: float(self.tried.measures[name][number]) for name, number in numbers}
-
-    def relaxing(self) -> dict[str, int]:
-        """Return by the name of a limit the number of the setting of ``to_relax``."""
-        least = {}
-        for name in self.limits:
-            others = {other: limit for other, limit in self.limits.items() if other != name}
-            kept = self.tried.keeps(others)
-            if kept.any():
-                least[name] = int(np.argmin(np.where(kept, self.tried.measures[name], np.inf)))
-        return least
+            ends += [(name, "lower")] if value < low + near else []
+            ends += [(name, "upper")] if value > high - near else []
+        return ends
 
 
 def with_tolerances(stated: StatedDevice) -> StatedDevice:
@@ -182,8 +182,8 @@ def search(
     generations: int,
     population: int,
     after: Callable[[int, int], None] = lambda *_: None,
-) -> Design:
-    """Search for the best setting of a device.
+) -> tuple[Design, Known]:
+    """Return the best setting of a device, and the results of all quick trials.
 
     Args:
         trials: trials of its settings; their seed is also that of the optimiser.
@@ -193,7 +193,7 @@ def search(
     """
     free, limits = trials.stated.free, trials.stated.limits
     low, high = np.array(list(free.values())).T
-    known: dict[Setting, Row] = {}
+    known: Known = {}
     done = 0
 
     def score(points: Floats) -> Floats:
@@ -221,27 +221,46 @@ def search(
         tol=0.0,
         callback=report,
     )
-    return _checked(trials, known)
+    return checked(trials, known), known
 
 
-def _checked(trials: Trials, known: Mapping[Setting, Row]) -> Design:
+def checked(
+    trials: Trials,
+    known: Known,
+    rank: Callable[[Tried], Floats] | None = None,
+    most: int = CHECKS,
+) -> Design:
     """Check the best settings until one holds; return the design.
 
-    If none holds, the design is the checked setting that fails least.
+    If none of ``most`` holds, the design is the checked setting that fails least. ``rank`` is
+    least for the best settings among those that hold; the score by default.
     """
     free, limits = trials.stated.free, trials.stated.limits
     keys, quick, checks = list(known), np.array(list(known.values())), dict[int, Check]()
     accepted = tried_of(keys, quick, free).keeps(limits)
     while True:
         rows = _expected(keys, quick, checks, free)
-        design = Design(tried_of(keys, rows, free), 0, limits, checks)
+        design = Design(tried_of(keys, rows, free), 0, limits, checks, free)
         score, numbers = design.tried.score(limits), list(checks)
+        order = score if rank is None else np.where(score < 0.0, rank(design.tried), np.inf)
         open_ones = np.setdiff1d(np.flatnonzero(accepted), numbers)
-        if numbers and (score[numbers].min() < 0.0 or not open_ones.size or len(numbers) == CHECKS):
-            return replace(design, best=numbers[int(np.argmin(score[numbers]))])
+        if numbers and (score[numbers].min() < 0.0 or not open_ones.size or len(numbers) == most):
+            best = numbers[int(np.argmin(score[numbers]))]
+            return _in_full(trials, replace(design, best=best), keys, rows)
         among = open_ones if open_ones.size else np.arange(len(keys))
-        design = replace(design, best=int(among[np.argmin(score[among])]))
+        design = replace(design, best=int(among[np.argmin(order[among])]))
         checks[design.best] = trials.check(design.setting)
+
+
+def _in_full(trials: Trials, design: Design, keys: Sequence[Setting], rows: Floats) -> Design:
+    """Return a design whose recommended setting is known by all devices."""
+    devices = design.checks[design.best].devices
+    if design.feasible or not 0 < devices < trials.devices:
+        return design
+    check = trials.check(design.setting, stop=False)
+    rows[design.best] = check.row
+    checks = {**design.checks, design.best: check}
+    return replace(design, tried=tried_of(keys, rows, design.free), checks=checks)
 
 
 def _expected(

@@ -9,7 +9,7 @@ refuses.
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
@@ -54,11 +54,13 @@ class Check:
         row: its results; a share of 0 if the device itself does not go in.
         devices: number of devices drawn; fewer than asked for once the setting does not hold.
         going_in: number of them that go in from every start.
+        forces: largest contact force in N by the place.
     """
 
     row: Row
     devices: int
     going_in: int
+    forces: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -100,8 +102,11 @@ class Trials:
         columns = share, margin, *measures, self._needs_vibration(values, shape)
         return [tuple(float(each) for each in row) for row in zip(*columns, strict=True)]
 
-    def check(self, setting: Mapping[str, float]) -> Check:
-        """Return the results of a setting (SI units by name) as ``assess`` has them."""
+    def check(self, setting: Mapping[str, float], *, stop: bool = True) -> Check:
+        """Return the results of a setting (SI units by name) as ``assess`` has them.
+
+        With ``stop`` no further devices are drawn once the setting does not hold.
+        """
         stated = self.stated.changed(**setting)
         values = {name: np.full(self.devices, value) for name, value in setting.items()}
         values |= drawn(stated, self.devices)
@@ -114,7 +119,7 @@ class Trials:
             last = min(max(STAGE, 4 * done), self.devices)
             some = {name: column[done:last] for name, column in values.items()}
             parts.append(run_devices(stated, some, self.starts, self._statistical, self.cores))
-            holds, done = bool(self._is_good(parts[-1]).all()), last
+            holds, done = not stop or bool(self._is_good(parts[-1]).all()), last
         whole = _joined(parts)
         if not whole.inside.all():  # what starts inside the hole is not counted
             whole = whole[~whole.inside]
@@ -127,7 +132,8 @@ class Trials:
         measures = (float(np.fmax.reduce(each)) for each in (whole.time, whole.force, whole.tilt))
         needs = float(self._needs_vibration(whole.values, (1, done))[0])
         going_in = int(whole.goes_in.sum())
-        return Check((going_in / done, margin, *measures, needs), done, going_in)
+        forces = {place: float(np.fmax.reduce(each)) for place, each in whole.forces.items()}
+        return Check((going_in / done, margin, *measures, needs), done, going_in, forces)
 
     @property
     def _statistical(self) -> Settings:

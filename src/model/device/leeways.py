@@ -1,10 +1,10 @@
 """Leeways of a device: ranges in which it stays reliable, one parameter at a time.
 
 Each parameter is scanned from its value, downwards and upwards, in steps of one ratio, all in one
-batch. A second batch divides the step in which the verdict changes and the one before, so that the
-end of the range is known to ``FINEST``. Values are tried with the digits that are printed. The same
-scan finds the nearest reliable values of a device that is not
-reliable. The values of a device that its file states are in SI units. Its mass, axial stiffness and
+batch. Two more batches divide the step in which the verdict changes and the one before, and then
+such parts, so that the end of the range is known to ``FINEST``. Values are tried with the digits
+that are printed. The same scan finds the nearest reliable values of a device that is not reliable.
+The values of a device that its file states are in SI units. Its mass, axial stiffness and
 amplitude, which are the units of its dimensionless parameters, are scanned as well.
 """
 
@@ -27,9 +27,9 @@ VARIED = (
 )  # fmt: skip
 STEP = 2.0 ** (1.0 / 12.0)  # ratio of neighbouring values, 6 %
 STEPS = 24  # steps of a scan: from a quarter to four times the value
-PARTS = 20  # of the step in which the verdict changes, and of the one before
+PARTS = 4, 5  # of the step in which the verdict changes, and of the one before; then of such a part
 DIGITS = 4  # of the values
-FINEST = STEP ** (1.0 / PARTS) * (1.0 + 10.0 ** (1 - DIGITS)) - 1.0  # 0.4 %
+FINEST = STEP ** (1.0 / math.prod(PARTS)) * (1.0 + 10.0 ** (1 - DIGITS)) - 1.0  # 0.4 %
 PAIRED = 13  # values of each of two parameters that are changed together
 
 Stated = Parameters | StatedDevice
@@ -95,13 +95,18 @@ class _End(NamedTuple):
 
 
 def leeways(
-    device: Stated, is_reliable: IsReliable, is_late: IsReliable | None = None, held: Names = ()
+    device: Stated,
+    is_reliable: IsReliable,
+    is_late: IsReliable | None = None,
+    held: Names = (),
+    roughly: IsReliable | None = None,
 ) -> tuple[Leeway, ...]:
     """Return the leeways of a reliable device.
 
-    ``is_late`` tells where devices fail by the horizon only; ``held`` are not varied.
+    ``is_late`` tells where devices fail by the horizon only; ``held`` are not varied. The steps are
+    tried by ``roughly``, if given; ends, and parts of steps, by ``is_reliable``.
     """
-    ends, late = _ends(device, is_reliable, held), []
+    ends, late = _ends(device, is_reliable, held, roughly), []
     beyond = [(each.parameter, each.other) for each in ends if each.other is not None]
     if is_late is not None and beyond:
         late = is_late(_swept(_own(device, held), beyond)).tolist()
@@ -155,35 +160,41 @@ def together(device: Stated, is_reliable: IsReliable, names: Names) -> dict[str,
     return min(good, key=change, default={})
 
 
-def _ends(device: Stated, are_alike: IsReliable, held: Names) -> list[_End]:
+def _ends(
+    device: Stated, are_alike: IsReliable, held: Names, roughly: IsReliable | None = None
+) -> list[_End]:
     """Return the end of the scan of each value that is not 0, downwards and upwards in turn."""
     own = _own(device, held)
+    names = [name for name, value in own.items() if value != 0.0 for _ in range(2)]
     scans = [
-        (name, _values(device, name, value, ratio))
-        for name, value in own.items()
-        if value != 0.0
-        for ratio in (1.0 / STEP, STEP)
+        _values(device, name, own[name], ratio)
+        for name, ratio in zip(names, itertools.cycle((1.0 / STEP, STEP)), strict=False)
     ]
-    known = _leading(own, scans, are_alike)
-    parts = [
-        (name, _divided(values[max(n - 2, 0) : n + 1]))
-        for (name, values), n in zip(scans, known, strict=True)
-        if n < len(values)
+    known = _leading(own, names, scans, roughly or are_alike)
+    ended = [i for i, (values, n) in enumerate(zip(scans, known, strict=True)) if n < len(values)]
+    if roughly is not None and ended:
+        some = {name: own[name] for name in names}
+        alike = are_alike(_swept(some, [(names[i], scans[i][known[i]]) for i in ended])).tolist()
+        wrong = [i for i, still in zip(ended, alike, strict=True) if still]
+        again = _leading(own, [names[i] for i in wrong], [scans[i] for i in wrong], are_alike)
+        for i, n in zip(wrong, again, strict=True):
+            known[i] = n
+    for count in PARTS:
+        open_ones = [i for i, (values, n) in enumerate(zip(scans, known, strict=True))
+                     if n < len(values)]  # fmt: skip
+        parts = [_divided(scans[i][max(known[i] - 2, 0) : known[i] + 1], count) for i in open_ones]
+        finer = _leading(own, [names[i] for i in open_ones], parts, are_alike)
+        for i, between, n in zip(open_ones, parts, finer, strict=True):
+            scans[i], known[i] = [*between, scans[i][known[i]]], n
+    return [
+        _End(name, own[name], values[n - 1], values[n] if n < len(values) else None)
+        for name, values, n in zip(names, scans, known, strict=True)
     ]
-    finer = iter(zip(parts, _leading(own, parts, are_alike), strict=True))
-    ends = []
-    for (name, values), n in zip(scans, known, strict=True):
-        alike, other = values[n - 1], None
-        if n < len(values):
-            (_, between), m = next(finer)
-            alike, other = between[m - 1], [*between, values[n]][m]
-        ends.append(_End(name, values[0], alike, other))
-    return ends
 
 
-def _divided(ends: Sequence[float]) -> list[float]:
-    """Return the first of two or three values, and ``PARTS`` values towards each next but one."""
-    parts = [np.geomspace(*pair, PARTS + 1)[1:] for pair in itertools.pairwise(ends)]
+def _divided(ends: Sequence[float], count: int) -> list[float]:
+    """Return the first of two or three values, and ``count`` values towards each next but one."""
+    parts = [np.geomspace(*pair, count + 1)[1:] for pair in itertools.pairwise(ends)]
     return [ends[0], *(_printed(value) for value in np.concatenate(parts)[:-1].tolist())]
 
 
@@ -192,15 +203,19 @@ def _printed(value: float) -> float:
 
 
 def _leading(
-    own: Mapping[str, float], scans: Sequence[tuple[str, list[float]]], are_alike: IsReliable
+    own: Mapping[str, float],
+    names: Sequence[str],
+    scans: Sequence[list[float]],
+    are_alike: IsReliable,
 ) -> list[int]:
     """Return how many leading values of each scan have the verdict of the device, its own first."""
-    tried = [(name, value) for name, values in scans for value in values[1:]]
+    both = list(zip(names, scans, strict=True))
+    tried = [(name, value) for name, values in both for value in values[1:]]
     if not tried:
         return [1] * len(scans)
-    names = dict.fromkeys(name for name, _ in scans)
-    alike = iter(are_alike(_swept({name: own[name] for name in names}, tried)).tolist())
-    return [[True, *(next(alike) for _ in values[1:]), False].index(False) for _, values in scans]
+    some = {name: own[name] for name in names}
+    alike = iter(are_alike(_swept(some, tried)).tolist())
+    return [[True, *(next(alike) for _ in values[1:]), False].index(False) for values in scans]
 
 
 def _swept(own: Mapping[str, float], tried: Sequence[tuple[str, float]]) -> dict[str, np.ndarray]:

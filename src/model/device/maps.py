@@ -21,8 +21,8 @@ from model.sweeps.settings import Ensemble, RunSettings
 from model.sweeps.sweep import Group, Sweep
 
 _VARIABLES = (
-    "outcome", "reason", "tau_align", "tau_error", "sensitive", "rhs_evaluations",
-    *UNVIBRATED_CONTROL,
+    "outcome", "reason", "tau_align", "tau_error", "sensitive", "contact_force_max",
+    "rhs_evaluations", *UNVIBRATED_CONTROL,
 )  # fmt: skip
 _SPACES = 16  # least spaces between nodes with all starts along a side, if the map has as many
 

@@ -13,6 +13,7 @@ from model.compile.kernels import inlined_kernel, kernel
 from model.engines.results import RunResult
 from model.events.kernels import MOST_EVENTS
 from model.events.table import PLACES_OF_CONTACT
+from model.physics.geometry import edge_place
 from model.physics.modes import CLOSED, MODE_KINDS, OPEN, Mode
 from model.physics.notation import RIGHT_EDGE, STATE_SIZE, State
 from model.physics.parameters import Constants
@@ -113,6 +114,10 @@ def store_result(events, runs, i, results, row):
     mode = mode_of(runs, i)
     alone = mode.edge == RIGHT_EDGE and mode.corner == OPEN and mode.side == OPEN
     runs[i, AT.end_on_edge] = 1.0 if alone and mode.face == CLOSED else 0.0
-    runs[i, AT.end_tilt] = state_in(runs, STATE, i).tilt
+    q, p = state_in(runs, STATE, i), constants_of(events, runs, i)
+    place = edge_place(RIGHT_EDGE, q.x, q.y, q.tilt, p)
+    approach = q.tilt_rate * place.along_axis - q.x_rate * place.cos - q.y_rate * place.sin
+    runs[i, AT.end_gap], runs[i, AT.end_approach] = p.half_width - place.along_face, approach
+    runs[i, AT.end_tilt] = q.tilt
     for field in range(_RESULT_COUNT):
         results[row, field] = runs[i, _FIRST_RESULT + field]

@@ -229,6 +229,8 @@ _ENGINE_ONLY = (
     "time",
     "end_tilt",
     "end_on_edge",
+    "end_gap",
+    "end_approach",
     "time_error",
     "end_error",
     "largest_error",
@@ -246,9 +248,11 @@ class RunResult(
 
     The fields are those of ``Results`` that are not ``estimated``, ``time`` of the end,
     ``end_tilt`` there, ``end_on_edge`` (1 if the edge A1 on the bottom face is then the only
-    contact, else 0), ``rejected`` steps, the errors that it carries (``time_error`` of the
-    alignment time, ``end_error`` of the time of the event that ends the run, ``largest_error`` of
-    the state; NaN if it carries none) and ``tracked``, the number of rows of a full track.
+    contact, else 0), ``end_gap`` by which the edge A1 then lacks to the corner B1 along the face,
+    and the rate ``end_approach`` at which it closes, ``rejected`` steps, the errors that it carries
+    (``time_error`` of the alignment time, ``end_error`` of the time of the event that ends the run,
+    ``largest_error`` of the state; NaN if it carries none) and ``tracked``, the number of rows of a
+    full track.
     """
 
     __slots__ = ()

@@ -76,5 +76,6 @@ def align(
         raise ValueError(f"cores = {cores!r}: must be >= 1")
     run = engine_for(settings, engine, cores)
     carrying = error_carrying_engine(settings, engine, cores)
-    columns = estimate(run, settings.rows(rows_of), settings.tolerance, carrying).columns()
+    found = estimate(run, settings.rows(rows_of), settings.tolerance, carrying, settings.horizon)
+    columns = found.columns()
     return Alignments(**{name: columns[name].astype(VALUE_TYPES[name].array) for name in RESULTS})

@@ -20,6 +20,10 @@ meaningless. A set with a nearly flat start is also sensitive if an initial tilt
 ``TILTED`` changes its end. No device has so exact a tilt, but it decides whether such a part rests
 on its edge or on its corner, or touches the base at all.
 
+Horizons. A run that ends by the horizon is sensitive if the edge is then as near to the corner as
+the error of its place, and an aligned or inserted one if the horizon is within the error of its
+time. Where neighbours give the errors, these are at least those of a neighbour's tolerance.
+
 Chaotic runs. If a run and its neighbour both reach the horizon, but differ in lift-offs, sticking,
 or other events and the largest tilt, a run at another tolerance may align by chance. The reason of
 such a set is ``CHAOTIC``. It stands for sensitive dependence; chaos is not tested for.
@@ -77,11 +81,17 @@ class Estimate(NamedTuple):
         return RunResult(*own.pop("results").T)._asdict() | own
 
 
-def estimate(run: Run, rows: Array, tolerance: float, carrying: Run | None = None) -> Estimate:
+def estimate(
+    run: Run,
+    rows: Array,
+    tolerance: float,
+    carrying: Run | None = None,
+    horizon: float = np.inf,
+) -> Estimate:
     """Run every row, shape (n, constants), and estimate its error; see the module.
 
     ``tolerance`` is the tolerance asked for. ``carrying`` is the engine whose runs carry their
-    errors; without one, the errors come from neighbours.
+    errors; without one, the errors come from neighbours. ``horizon`` is that of the runs.
     """
     sharper = tolerance if carrying is None else max(tolerance / FINER, FINEST)
     first = run if carrying is None else carrying
@@ -106,6 +116,11 @@ def estimate(run: Run, rows: Array, tolerance: float, carrying: Run | None = Non
         own = RunResult(*found.results[again].T)
         found.sensitive[again] = _ends_apart(Constants(*rows[again].T), own, neighbour)
         found.rhs_evaluations[again] += neighbour.rhs_evaluations
+    results = RunResult(*found.results.T)
+    coarse = COARSER * tolerance if carrying is None else 0.0  # of a neighbour, as in _compare
+    found.sensitive[:] |= horizon - results.tau_align <= np.fmax(found.tau_error, coarse)
+    inserted = results.tau_inserted  # the horizon begins anew at alignment
+    found.sensitive[:] |= horizon - inserted <= np.fmax(found.insertion_error, coarse)
     return found
 
 
@@ -125,11 +140,13 @@ def _by_carried_errors(
     is_small = found.largest_error <= SENSITIVE
     is_flat = np.abs(p.initial_tilt) < NEARLY_FLAT
     inserted = found.tau_align + found.tau_inserted
+    place = _CARRIED * found.largest_error * (2.0 + p.half_height)  # error along the bottom face
+    place += tolerance * np.maximum(found.end_approach, 0.0)
     made = Estimate(
         results=results,
         tau_error=_time_error(found.tau_align, _CARRIED * found.time_error, tolerance),
         insertion_error=_time_error(inserted, _CARRIED * found.end_error, tolerance),
-        sensitive=np.zeros(len(rows), bool),
+        sensitive=_nearly_aligned(found, place),
         rhs_evaluations=found.rhs_evaluations.copy(),
         tolerance=tolerance,
     )
@@ -178,6 +195,17 @@ def outcomes_differ(
     same = np.isin(outcome, periodic) & np.isin(other, periodic) & alike
     differ: NDArray[np.bool_] = (outcome != other) & ~same
     return differ
+
+
+def _nearly_aligned(run: RunResult, error: Array) -> NDArray[np.bool_]:
+    """Return a mask of the runs that end by the horizon within their error of alignment.
+
+    ``error`` is that of the place of the edge along the bottom face.
+    """
+    rounding = RESOLUTION * (1.0 + run.time) * np.maximum(run.end_approach, 0.0)
+    at_horizon = (run.outcome == Outcome.HORIZON_REACHED) & np.isnan(run.tau_align)
+    near: NDArray[np.bool_] = at_horizon & (run.end_gap <= error + rounding)
+    return near
 
 
 def _lift_off_alike(p: Constants, run: RunResult, other: RunResult) -> NDArray[np.bool_]:
@@ -278,7 +306,10 @@ def _compare(
         results = ran.pop(0)
         spent += RunResult(*results.T).rhs_evaluations
     fine, coarse = RunResult(*results.T), RunResult(*ran[0].T)
-    sensitive = _is_too_narrow(p, tolerance)
+    within = COARSER * (tolerance if asked is None else asked)
+    within = within * (1.0 + np.maximum(fine.end_approach, 0.0))
+    moved = np.abs(fine.end_gap - coarse.end_gap)
+    sensitive = _is_too_narrow(p, tolerance) | _nearly_aligned(fine, moved + within)
     for (which, _), displaced in zip(others, ran, strict=True):
         own, other = RunResult(*results[which].T), RunResult(*displaced.T)
         sensitive[which] |= _ends_apart(Constants(*rows[which].T), own, other, which is flat)

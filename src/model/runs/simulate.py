@@ -85,7 +85,7 @@ def simulate(
     """Run one parameter set and return its trajectory, as ``model.simulate`` of any device."""
     settings = settings_with(settings, changes)
     rows = settings.rows(Batch.stack([parameters]))
-    found = estimate(scalar_engine(settings), rows, settings.tolerance)
+    found = estimate(scalar_engine(settings), rows, settings.tolerance, None, settings.horizon)
     results = {name: column[0] for name, column in found.columns().items()}
     track = np.empty((int(results["tracked"]), TRACK_COLUMNS))
     scalar_engine(settings, track)(rows, found.tolerance)

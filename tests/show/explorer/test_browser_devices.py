@@ -1,6 +1,7 @@
 """Pages of devices in a real browser: units, refusals, commands, files, horizon."""
 
 import json
+import re
 import shlex
 import time
 from dataclasses import replace
@@ -49,6 +50,10 @@ def test_a_device_and_its_command_agree(started, device_urls, name, address, tmp
         if record["tau_align"] is not None:
             expected = pytest.approx(started.results["tau_align"], rel=1e-8)
             assert record["tau_align"] == expected
+    force = re.search(r"Largest force at one point: ([\d.]+) N, from this start, (.*?)\.( |$)",
+                      started.text("words"))  # fmt: skip
+    assert float(force[1]) == pytest.approx(record["si"]["contact_force_max_N"], rel=5e-3)
+    assert force[2] == record["forces_known"]
     # The unvibrated run ends in the words of the command.
     assert cli.main(command[1:]) == cli.DONE
     words = capsys.readouterr().out.partition("without vibration: ")[2].partition("\n")[0].strip()

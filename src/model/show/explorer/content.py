@@ -5,6 +5,7 @@ Values are in the page's units: dimensionless for the study, SI for a device.
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from itertools import product
 from pathlib import Path
 from types import MappingProxyType
@@ -14,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model.engines.results import TRACK_VARIABLES
+from model.events.insertion import INSERTION
 from model.events.outcomes import (
     OUTCOME_TEXT,
     REASON_TEXT,
@@ -23,11 +25,12 @@ from model.events.outcomes import (
     remedy,
 )
 from model.physics.parameters import FIELDS, Field, Parameters
-from model.physics.quantities import ANGLE, PLAIN, TIME, Quantity
+from model.physics.quantities import ANGLE, FORCE, PLAIN, TIME, Quantity
 from model.physics.units import UNITS, Units
 from model.runs.settings import Settings
 from model.show.assumptions import assumptions
 from model.show.explorer.page import packed
+from model.show.forces import until
 from model.show.si import display, scale
 from model.show.words import figure_title, symbol_parts
 from model.study.config.figures import CURVES, HISTORIES, MAPS, Curves, Map
@@ -173,6 +176,7 @@ def _model(
 ) -> dict[str, Any]:
     """Return the content that every page has."""
     said = "; ".join(f"{name}: {words}" for name, words in assumed.items())
+    inserts = "inserted" in interface["events"]  # as the page's engines do, whatever the settings
     return {
         "title": title,
         "footer": f"Made by vibralign. Tolerance {settings.tolerance:g}, one run without an "
@@ -194,6 +198,8 @@ def _model(
         "unvibrated": {int(each): text for each, text in UNVIBRATED_TEXT.items()},
         "panels": [_panel(panel, units) for panel in _PANELS],
         "time": _shown(units, TIME),
+        "force": _shown(units, FORCE),
+        "forces_known": until(replace(settings, scene=INSERTION) if inserts else settings),
     }
 
 

@@ -15,6 +15,12 @@ function inTime(value) {
   return MODEL.units ? `${rounded(time / one)} ${unit}` : `τ = ${rounded(time)}`;
 }
 
+/** Return the largest force of a run in words, and until when it is known. @param {Record<string, number>} results */
+function forceWords(results) {
+  const force = results.contact_force_max * scaleOf(MODEL.force, run?.values ?? state.values);
+  return `Largest force at one point: ${rounded(force)}${MODEL.units ? " N" : ""}, from this start, ${MODEL.forces_known}.`;
+}
+
 /** @param {number} value in units of 1/p */
 const atTime = (value) => `${MODEL.units ? "after" : "at"} ${inTime(value)}`;
 
@@ -73,7 +79,7 @@ function writeOutcome() {
   const lifted = times === 0 ? "It never lifts off." : `It lifts off ${times === 1 ? "once" : `${times} times`}.`;
   const ended = state.vibration || aligned ? outcomeWords(results) : `without vibration it ${stillWords(results, slow)}`;
   const drawn = run && results.tracked > run.track.rows ? ` The drawing ends at ${inTime(run.track.time[run.track.rows - 1])}: the run is longer than the page keeps.` : "";
-  element("words").textContent = `${ended[0].toUpperCase()}${ended.slice(1)}. ${aligned ? lifted : ""}${drawn}`;
+  element("words").textContent = `${ended[0].toUpperCase()}${ended.slice(1)}. ${aligned ? `${lifted} ` : ""}${forceWords(results)}${drawn}`;
   element("remedy").textContent = good || !state.vibration ? "" : `What to do: ${MODEL.remedies[`${results.outcome},${results.reason}`]}.`;
   const both = other && (state.vibration ? [results, other.results] : [other.results, results]);
   const dashed = state.compared ? ` Dashed: the run ${state.vibration ? "without" : "with"} vibration.` : "";
