@@ -45,7 +45,7 @@ def crescent(device: Parameters) -> Figure:
         sheet.point((tip, -across), "tip $(X,\\ -Z)$", (1.0, -0.32), 5.0, color=Sheet.CONTACT)
         sheet.line((x, 0.0), (x, -0.72))
         sheet.line((hole, 0.0), (hole, -0.72))
-        sheet.dimension((x, -0.3), (tip, -0.3), "$X - x$", (0.8, 0.0))
+        sheet.dimension((x, -0.3), (tip, -0.3), "$X - x$", (1.0, 0.0))
         sheet.dimension((x, -0.65), (hole, -0.65), "$l - x$", on="white")
         sheet.leader((1.02, 0.5), (1.41, 1.03), "")
         sheet.text((1.55, 0.87), "crescent: the face of the peg\nover the base", ha="left")

@@ -26,11 +26,9 @@ class RunSettings(Strict):
     scene: Literal["alignment", "insertion"] = "alignment"
     """Contacts that are modelled; runs of the scene insertion end when the part is inserted."""
     shape: Shape | None = Field(default=None, exclude_if=lambda v: v is None)
-    """Shape of part and hole; the study's are plane, "square"."""
+    """Shape of part and hole; by default the paper's, square."""
     insertion_depth: float | None = Field(default=None, gt=0.0, exclude_if=lambda v: v is None)
     """Depth at which a part counts as inserted; by default half of what the press reaches."""
-    shape: Shape | None = Field(default=None, exclude_if=lambda v: v is None)
-    """Shape of part and hole; by default the paper's, square."""
 
     @model_validator(mode="after")
     def _fit_together(self) -> "RunSettings":
