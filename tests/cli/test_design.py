@@ -7,8 +7,13 @@ from pathlib import Path
 import pytest
 import xarray as xr
 
+from model import INSERTION, Settings, load_device
 from model.cli import main as cli
 from model.device import design_trials
+from model.device.cases import cases_of
+from model.device.reliability import run_devices
+from model.device.yields import drawn
+from model.sweeps.settings import Ensemble
 
 PEG = Path(__file__).parents[1] / "square" / "peg.yaml"
 QUICK = ["--generations", "1", "--population", "5", "--devices", "64"]
@@ -61,7 +66,7 @@ def test_a_design_is_recommended_and_kept(capsys, peg, tmp_path):
 
 @pytest.mark.usefixtures("_no_leeways")
 def test_assess_says_of_the_recommended_setting_what_design_says(capsys, peg):
-    device = peg("time: 0.2 s", friction="0.15 ± 0.03")
+    device = peg("time: 0.2 s, contact_force: 60 N", friction="0.15 ± 0.03")
     assert cli.main(["design", "--device", device, *QUICK, *BASE, "--json"]) == cli.DONE
     designed = json.loads(capsys.readouterr().out)
     [(name, value)] = designed["setting"].items()
@@ -72,6 +77,13 @@ def test_assess_says_of_the_recommended_setting_what_design_says(capsys, peg):
     assert designed["verdict"] == assessed["verdict"]
     assert designed["yield_interval"] == [assessed["yield"]["low"], assessed["yield"]["high"]]
     assert designed["yield_confidence"] == assessed["yield"]["confidence"] == 0.95
+    assert designed["forces"] == assessed["yield"]["forces"]
+    # As the runs of Python have it: no place is pressed by more than the limit.
+    stated = load_device(device, {"contact_stiffness": 3e5, name: value})
+    settings = Settings(scene=INSERTION, tolerance=1e-6, horizon=0.6 / stated.units.time)
+    runs = run_devices(stated, drawn(stated, 64), cases_of(stated, Ensemble()), settings)
+    assert designed["contact_force"] == runs.force.max() <= 60.0
+    assert designed["forces"] == {place: each.max() for place, each in runs.forces.items()}
 
 
 def test_limits_that_cannot_be_kept_exit_with_1(capsys, peg):

@@ -12,9 +12,11 @@ from model import INSERTION, Settings, load_device, simulate
 from model.device import StatedDevice, leeways
 from model.device.assess import Assessment, assess
 from model.device.cases import cases_of, on_bases, parameters_in, stated_case
+from model.device.design import search
+from model.device.design_trials import Trials
 from model.device.leeways import FINEST
 from model.device.reliability import FORCES, are_reliable, run_devices
-from model.device.yields import drawn, yield_of
+from model.device.yields import drawn, interval, yield_of
 from model.physics.parameters import Batch
 from model.runs.simulate import simulate_once
 from model.sweeps.settings import Ensemble
@@ -177,3 +179,37 @@ def test_what_is_stated_of_a_device_without_a_base_holds_for_the_worst():
     on_it = load_device(path, {**changes, **found.failing_start})
     assert isinstance(on_it, StatedDevice)
     assert simulate(on_it, usual).outcome is not usual.success
+
+
+def limits_are_kept(folder: Path, number: int, devices: int) -> bool:
+    """Design a device, run others that are drawn at the setting, and return if one was found.
+
+    No more of them exceed the limit of force, at any place, than the interval of none allows.
+    """
+    path = random_device(folder, number, friction="± 10 %", press_force="± 5 %")
+    stated = load_device(path)
+    own = stated.quantities
+    cases = cases_of(stated, FEW)
+    values = {"friction": np.array([own["friction"]])}
+    force = float(run_devices(stated, values, cases, SETTINGS).force[0])
+    free = {name: (0.5 * own[name], 2.0 * own[name]) for name in ("press_force", "tilt_stiffness")}
+    wanted = replace(stated, free=free, limits={"contact_force": 1.2 * force})
+    found, _ = search(Trials(wanted, cases, SETTINGS, devices=devices), 2, 8)
+    if not found.feasible:
+        return False
+    there = stated.changed(**found.setting)
+    runs = run_devices(there, drawn(there, devices, seed=1), cases, SETTINGS)
+    exceeding = int((runs.force > wanted.limits["contact_force"]).sum())
+    assert exceeding / devices <= interval(0, devices)[1]
+    assert found.check is not None
+    assert max(found.check.forces.values()) <= wanted.limits["contact_force"]
+    return True
+
+
+def test_a_recommended_setting_keeps_the_limit_of_force_at_every_place(tmp_path):
+    assert sum(limits_are_kept(tmp_path, number, 32) for number in (60, 62, 64)) > 0
+
+
+@pytest.mark.nightly
+def test_recommended_settings_keep_the_limit_of_force_at_every_place(tmp_path):
+    assert sum(limits_are_kept(tmp_path, number, 128) for number in range(70, 100)) > 10

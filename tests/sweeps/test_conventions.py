@@ -81,7 +81,7 @@ def design() -> xr.Dataset:
     stated = load_device(PEG)
     settings = [(force, 0.3) for force in (8.0, 9.0)]
     tried = tried_of(settings, [(1.0, 2.0, 0.1, 20.0, 0.1, np.nan)] * 2, stated.free)
-    return design_dataset(stated, Design(tried, 0, {}, {}))
+    return design_dataset(stated, Design(tried, 0, {}, {}, stated.free))
 
 
 def judged(study: Study) -> dict[str, xr.Dataset]:
