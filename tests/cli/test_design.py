@@ -119,6 +119,17 @@ def test_a_device_that_goes_in_nowhere_is_told_the_cause_and_that_no_range_helps
     assert cli.main(["design", "--device", device, *QUICK, *BASE]) == cli.FAILED
     said = capsys.readouterr().out
     assert "cause                  it hardly slips: it sticks on the edge " in said
+    words = "not reliable at the stated values; no others within the tolerances were tried"
+    assert f"verdict                {words}\n" in said
+    change = re.search(
+        r"first to change +(\w+) = ([\d.]+).*: with it, it is reliable \(tried\)", said
+    )
+    setting = re.search(r"nearest to it +tilt_stiffness = ([\d.]+) ", said)[1]
+    sets = [f"tilt_stiffness={setting}", f"{change[1]}={change[2]}"]  # friction has no unit
+    assert change[1] == "friction"
+    given = [word for each in sets for word in ("--set", each)]
+    assert cli.main(["assess", "--device", device, *BASE, *given, "--devices", "2"]) == cli.DONE
+    assert "\nverdict         reliable at the stated values" in capsys.readouterr().out
     assert re.search("what binds .*the device itself: as stated it does not go in\n", said)
     assert "what to widen          tilt_stiffness up to 0.5 N m/rad: no better (tried)" in said
     assert "what to widen          tilt_stiffness down to 0.1 N m/rad: no better (tried)" in said

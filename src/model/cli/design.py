@@ -50,7 +50,10 @@ class _Answer(NamedTuple):
     def verdict(self) -> str:
         """The verdict on the recommended setting, as ``assess`` gives it."""
         check = self.design.check
-        return headline(self.assessed, check if check and check.devices else None)
+        if check is not None and check.devices:
+            return headline(self.assessed, check)
+        words = headline(self.assessed, None).partition(";")[0]
+        return f"{words}; no others within the tolerances were tried"
 
 
 def add(commands: Any) -> None:
@@ -146,7 +149,8 @@ def _assessed(design: "Design", trials: "Trials", given: Inputs) -> "Assessment"
 
     stated = trials.stated.changed(**design.setting)
     settings = stated.run_settings(given.settings, stated.units)
-    return assess(stated, settings, given.study.maps.ensemble, trials.cores, vary=False)
+    helpless = not design.tried.share[design.best] > 0.0  # as stated it does not go in
+    return assess(stated, settings, given.study.maps.ensemble, trials.cores, vary=helpless)
 
 
 def _write(
@@ -195,6 +199,9 @@ def _report(answer: _Answer) -> list[str]:
     lines += [_line(word, named_words(design.setting)), _line("verdict", answer.verdict)]
     if answer.assessed.cause:
         lines.append(_line("cause", answer.assessed.cause))
+    if answer.assessed.change:
+        words = f"{named_words(answer.assessed.change)}: with it, it is reliable (tried)"
+        lines.append(_line("first to change", words))
     words = f"{margin:.3g} tolerances away" if margin < 3.0 else "none within three tolerances"
     words += f", on {POINTS} lines from every start" if design.feasible else ""
     lines += [_line("nearest failure", words), *_largest(design, answer.trials.settings)]
