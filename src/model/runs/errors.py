@@ -204,7 +204,7 @@ def _nearly_aligned(run: RunResult, error: Array) -> NDArray[np.bool_]:
     """
     rounding = RESOLUTION * (1.0 + run.time) * np.maximum(run.end_approach, 0.0)
     at_horizon = (run.outcome == Outcome.HORIZON_REACHED) & np.isnan(run.tau_align)
-    near: NDArray[np.bool_] = at_horizon & (run.end_gap <= error + rounding)
+    near: NDArray[np.bool_] = at_horizon & (np.abs(run.end_gap) <= error + rounding)
     return near
 
 
