@@ -21,7 +21,8 @@ from model.physics.parameters import Batch
 from model.runs.simulate import simulate_once
 from model.sweeps.settings import Ensemble
 
-DOCS = Path(__file__).resolve().parents[2] / "docs"
+SQUARE = Path(__file__).resolve().parents[1] / "square"
+ROUND = Path(__file__).resolve().parents[2] / "docs"
 FEW = Ensemble(phases=4, tilts=[1.0], every=1)
 SETTINGS = Settings(scene=INSERTION, tolerance=1e-6, horizon=60.0)
 OF_A_BASE = ("edge_radius", "plate_thickness", "plate_radius", "restitution")
@@ -31,10 +32,10 @@ CHANGED = (
 ASKED = ("press_force", "tilt_stiffness", "friction")
 
 
-def random_device(folder: Path, number: int, **lines: str) -> Path:
+def random_device(folder: Path, number: int, origin: Path = SQUARE, **lines: str) -> Path:
     """Write a worked device with its quantities changed at random; every other has no base."""
     rng = np.random.default_rng(5400 + number)
-    stated = load_device(DOCS / "devices" / ("pin.yaml", "peg.yaml", "shaft.yaml")[number % 3])
+    stated = load_device(origin / "devices" / ("pin.yaml", "peg.yaml", "shaft.yaml")[number % 3])
     given: dict[str, object] = dict(stated.quantities) | {"materials": stated.materials}
     for name in CHANGED:
         given[name] = float(f"{stated.quantities[name] * np.exp(rng.normal(0.0, 0.25)):.4g}")
@@ -122,11 +123,12 @@ def test_a_case_is_the_device_that_set_states(tmp_path):
 
 def test_forces_are_those_of_all_places_in_every_command(tmp_path):
     """Of assess, of drawn devices, and of the reference engine's runs of the same cases."""
-    for number in range(4):
-        device = load_device(random_device(tmp_path, number, friction="± 10 %"))
+    for number, origin in ((0, SQUARE), (1, SQUARE), (2, ROUND), (3, ROUND)):
+        device = load_device(random_device(tmp_path, number, origin, friction="± 10 %"))
         cases = cases_of(device, FEW)
         found = assess(device, SETTINGS, FEW, vary=False)
-        runs = [simulate_once(parameters_in(device, case), SETTINGS) for case in cases]
+        settings = replace(SETTINGS, shape=device.shape)
+        runs = [simulate_once(parameters_in(device, case), settings) for case in cases]
         by_place = {place: max(getattr(r, name) for r in runs) for place, name in FORCES.items()}
         assert found.forces == pytest.approx(by_place, rel=0.02, abs=1e-6)
         assert found.contact_force_max == max(found.forces.values())
@@ -141,7 +143,7 @@ def test_forces_are_those_of_all_places_in_every_command(tmp_path):
 
 def test_an_overshoot_is_not_inserted_and_a_dip_is_held():
     """A part that counts as inserted stays at depth; no press holds one deeper than it reaches."""
-    device = load_device(DOCS / "peg.yaml", {"tilt_stiffness": 0.3})
+    device = load_device(SQUARE / "peg.yaml", {"tilt_stiffness": 0.3})
     reach = float(Batch.stack([device.parameters]).reaches()[0])
     usual = simulate(device, SETTINGS)
     deep = replace(SETTINGS, insertion_depth=0.98 * reach)
@@ -156,7 +158,7 @@ def test_an_overshoot_is_not_inserted_and_a_dip_is_held():
 
 
 def test_devices_that_start_inside_are_not_counted():
-    stated = load_device(DOCS / "devices" / "peg.yaml", {"misalignment": "0.4 mm ± 0.39 mm"})
+    stated = load_device(SQUARE / "devices" / "peg.yaml", {"misalignment": "0.4 mm ± 0.39 mm"})
     found, results = yield_of(stated, cases_of(stated, FEW), SETTINGS, devices=64, indices=False)
     values = drawn(stated, 64)
     inside = values["misalignment"] <= values["clearance"] * stated.quantities["half_width"]
@@ -168,7 +170,7 @@ def test_devices_that_start_inside_are_not_counted():
 
 def test_what_is_stated_of_a_device_without_a_base_holds_for_the_worst():
     """The peg of the tutorial, near its border: reliable on its own base, not on a stiffer one."""
-    path = DOCS / "peg.yaml"
+    path = SQUARE / "peg.yaml"
     changes = {"friction": 0.215}
     usual = replace(SETTINGS, horizon=300.0)
     found = assess(load_device(path, changes), usual, Ensemble(), 2, vary=False)
