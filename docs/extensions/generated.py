@@ -123,7 +123,8 @@ def _type_of(schema: dict[str, Any]) -> str:
         items = schema.get("prefixItems") or [schema.get("items", {})]
         return "list of " + ", ".join(dict.fromkeys(_type_of(each) for each in items))
     if schema.get("type") == "object":
-        return "mapping of names to " + _type_of(schema.get("additionalProperties", {}))
+        values = schema.get("additionalProperties", True)
+        return "mapping of names to " + ("anything" if values is True else _type_of(values))
     return str(schema.get("type", "anything"))
 
 
