@@ -65,8 +65,8 @@ def _paper(lines: Sequence[Line], null: xr.Dataset) -> Finding:
     right, wrong = (judged.count(word) for word in ("reproduced", "contradicted"))
     random = shown_by(null)[0].numbers
     label = (
-        f"claims of the paper reproduced, where random devices show {random.min()} to "
-        f"{random.max()}; {wrong} contradicted, the others in part"
+        "claims of the paper reproduced by a device that was searched for; random devices show "
+        f"{random.min()} to {random.max()}; {wrong} contradicted, the others in part"
     )
     return Finding(f"{right} of {len(judged)}", label)
 

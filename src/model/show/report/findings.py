@@ -12,7 +12,7 @@ import xarray as xr
 from model.events.outcomes import REASON_TEXT, Outcome, Reason
 from model.show import jamming as jamming_plot
 from model.show.report.section import Results, Section, Table, settings_of
-from model.show.words import figure_title, percent
+from model.show.words import figure_title, percent, short
 from model.study.claims import VERDICTS, Tables, tally
 from model.study.claims.ledger import Line, read_ledger
 from model.study.claims.regime import regime_of
@@ -89,6 +89,7 @@ def claims(results: Results) -> Section:
         "tally": tally([line.verdict for line in lines]),
         "worth": summary(lines, null),
         "draws": _draws(lines, null),
+        "null_horizon": short(results.study.evidence.grid.horizon),
         "assumptions": _assumptions(results.dataset("data/assumptions.nc")),
         "nearly_any": is_shown_by_nearly_any,
         "hold_out": _hold_out(),
