@@ -42,7 +42,7 @@ Quantities = Mapping[str, Any]
 
 
 class Truth(NamedTuple):
-    """What is known of one point; times in ms, forces in N, NaN where the peg does not align."""
+    """Knowledge of one point; times in ms, forces in N, NaN where the peg does not align."""
 
     outcome: str
     time: float

@@ -1,4 +1,4 @@
-"""What the verdicts are worth: random devices, and other assumptions than the study's."""
+"""Worth of the verdicts: random devices, and other assumptions than the study's."""
 
 from typing import Any, Literal
 
@@ -27,11 +27,11 @@ class Draws(Drawing):
     """Random draws of one kind."""
 
     title: Text
-    """What is drawn, in words."""
+    """Title of what is drawn."""
 
 
 class Change(Strict):
-    """What differs from the study, without words."""
+    """Difference from the study, without words."""
 
     settings: dict[str, Any] = Field(default_factory=dict)
     """Settings of runs other than the study's."""
