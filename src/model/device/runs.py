@@ -84,7 +84,7 @@ def as_run(
 
 
 def simulate(parameters: AnyDevice, settings: Settings | None = None, **changes: Any) -> Trajectory:
-    """Run one device and return its trajectory, dimensionless.
+    """Run one device and return its trajectory, dimensionless, with the units of a device in SI.
 
     Args:
         parameters: device, excitation and initial state; or a device as ``load_device`` returns it,
@@ -98,7 +98,9 @@ def simulate(parameters: AnyDevice, settings: Settings | None = None, **changes:
         TypeError: no ``Parameters`` and no device, or a setting of the wrong type.
         ValueError: a setting that is unknown or out of range, or a file that states no device.
     """
-    return single.simulate(*as_run(device_of(parameters), settings, changes))
+    device = device_of(parameters)
+    run = single.simulate(*as_run(device, settings, changes))
+    return run if isinstance(device, Parameters) else replace(run, units=device.units)
 
 
 def align(
