@@ -95,6 +95,7 @@ def test_a_device_that_makes_no_sense_is_refused(changes, words):
     [
         ({"half_width": 5, "misalignment": 0.8}, "half_width = 5 m is longer than"),
         ({"inertia": "4.5e-5 kg cm²"}, "radius of gyration of 0.122 mm"),
+        ({"mass": "300 kg"}, "mass = 300 kg is 7.5e+07 kg/m³ of a box of the part's size; inertia"),
         (WHOLE, "with half_width = 10 mm and half_height = 40 mm has 23.8 mm: half_width is half"),
         ({"half_height": "40 mm"}, "half_height half the length"),
         ({"amplitude": "6 mm"}, "amplitude = 6 mm is larger than half_width = 5 mm"),

@@ -19,6 +19,7 @@ _LONGEST = 1.0  # m
 # Moment of inertia over that of a rectangle of the same mass, m(a² + b²)/3. A solid cylinder has at
 # least 0.75, a solid ellipsoid 0.6, and a gripper adds to it. Whole sizes for half ones give 1/4.
 _INERTIA = 0.6, 16.0
+_DENSITY = 500.0, 20e3  # mass over the volume of the part, kg/m³
 _WIDEST, _NARROWEST = 0.5, 1e-4  # clearance
 _SLIPPERIEST, _ROUGHEST = 0.005, 1.0  # friction
 _STEEPEST = 0.5  # tilt at the start, rad
@@ -96,7 +97,10 @@ def _sizes(given: Mapping[str, float], _device: Device) -> Iterator[str]:
             f"with {_mm(given, 'half_width')} and {_mm(given, 'half_height')} has "
             f"{1e3 * size:.3g} mm"
         )
+        density = given["mass"] / (8.0 * given["half_width"] ** 2 * given["half_height"])
+        heavy = f"mass = {given['mass']:.3g} kg is {density:.2g} kg/m³ of a box of the part's size"
         hint = ": half_width is half the width (the radius), half_height half the length"
+        words = f"{heavy}; {words}" if _outside(density, _DENSITY) else words
         yield words + hint if radius < size else words
     if _outside(given["half_width"] / given["half_height"], _SLENDERNESS):
         yield f"{_mm(given, 'half_width')}, while {_mm(given, 'half_height')}"
