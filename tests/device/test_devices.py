@@ -13,6 +13,7 @@ from model.events.outcomes import Outcome
 from model.physics.quantities import FREQUENCY
 
 EXAMPLE = Path(__file__).resolve().parents[1] / "square" / "peg.yaml"
+ROUND = EXAMPLE.parents[2] / "docs" / "peg.yaml"
 WHOLE = {"half_width": "10 mm", "half_height": "40 mm"}
 HERTZ = {"materials": "steel on aluminium", "edge_radius": "0.2 mm"}
 
@@ -94,6 +95,7 @@ def test_a_device_that_makes_no_sense_is_refused(changes, words):
     [
         ({"half_width": 5, "misalignment": 0.8}, "half_width = 5 m is longer than"),
         ({"inertia": "4.5e-5 kg cm²"}, "radius of gyration of 0.122 mm"),
+        ({"mass": "300 kg"}, "mass = 300 kg is 7.5e+07 kg/m³ of a box of the part's size; inertia"),
         (WHOLE, "with half_width = 10 mm and half_height = 40 mm has 23.8 mm: half_width is half"),
         ({"half_height": "40 mm"}, "half_height half the length"),
         ({"amplitude": "6 mm"}, "amplitude = 6 mm is larger than half_width = 5 mm"),
@@ -252,3 +254,35 @@ def test_an_amplitude_in_g_holds_at_the_frequency_of_the_file(tmp_path):
         load_device(free)
     with pytest.raises(DeviceError, match=r"is an acceleration.*write the amplitude in mm"):
         load_device(peg(tmp_path, amplitude="5 g", frequency="50 Hz ± 1 Hz"))
+
+
+@pytest.mark.parametrize("given", ["-2 um", "-0.03 %", "−2 µm / 6 mm", -0.0003, 0, "0 %"])
+def test_a_fit_without_play_is_said_not_to_be_modelled(given):
+    with pytest.raises(DeviceError, match=r"an interference .* is not modelled.* clearance > 0"):
+        load_device(EXAMPLE, {"clearance": given})
+
+
+def test_a_contact_that_yields_as_much_as_the_lever_is_doubted():
+    # T10: 2 a (F + F1) / (K (g² - x²)), with a = 5 mm, F + F1 = 9 N, g² = (5.2² - 5²) mm²
+    at_half = 2.0 * 5e-3 * 9.0 / (0.5 * (5.2e-3**2 - 5e-3**2 - 0.6e-3**2))
+    own = {"press_force": "6 N", "amplitude": "1 mm", "axial_stiffness": 3000}
+    soft, firm = (
+        load_device(ROUND, {**own, "contact_stiffness": factor * at_half}).doubts
+        for factor in (0.99, 1.01)
+    )
+    (doubt,) = (each for each in soft if each not in firm)
+    assert doubt.startswith(f"soft base: at contact_stiffness = {0.99 * at_half:.4g} N/m, stated")
+    assert doubt.endswith("which may be 51 % longer: do not trust the verdict")
+    square = {"contact_stiffness": 0.99 * at_half}
+    assert not any("soft base" in each for each in load_device(EXAMPLE, square).doubts)
+    # A base that is not stated is taken to be one, and may be too soft for a tight fit.
+    tight = {"clearance": 0.001, "misalignment": "0.1 mm"}
+    assert [each[:9] for each in load_device(ROUND, tight).doubts] == ["soft base"]
+
+
+def test_a_part_that_starts_on_the_rounding_of_the_edge_is_doubted():
+    # It lies on the edge by 0.6 mm - 0.04 * 5 mm = 0.4 mm.
+    assert load_device(ROUND, {**HERTZ, "edge_radius": "0.39 mm"}).doubts == []
+    (doubt,) = load_device(ROUND, {**HERTZ, "edge_radius": "0.41 mm"}).doubts
+    assert "edge_radius = 0.41 mm, while the part lies on the edge by at most 0.4 mm" in doubt
+    assert "it starts on the rounding, and the model has sharp edges" in doubt

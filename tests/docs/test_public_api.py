@@ -30,7 +30,7 @@ FROZEN = {
         tilt_max separations contact_force_max sticking_share rhs_evaluations period
         tau_inserted insertion_error edge_force_max corner_force_max side_force_max wall_force_max
         steps events parameters time state
-        contact_force side_force right_force
+        contact_force side_force right_force units
     """,
     "vibralign.Alignments": """
         tau_align tau_error tau_corners_inside outcome reason sensitive tilt_at_alignment

@@ -221,6 +221,18 @@ def test_what_is_refused(axes, words):
     assert words in str(refusal.value)
 
 
+@pytest.mark.parametrize("call", [simulate, align, lambda *a, **k: align([*a], **k)])
+def test_a_quantity_among_the_settings_is_told_its_place(call):
+    change = r"quantity of the device.* load_device\(file, {'amplitude': '1.4 mm'}\).* sweep\("
+    for device in (PEG, load_device(PEG), baseline()):
+        with pytest.raises(ValueError, match=change):
+            call(device, amplitude="1.4 mm")
+    # The places that the message names take it.
+    own = load_device(PEG, {"amplitude": "1.4 mm"})
+    assert own.units == load_device(PEG).changed(amplitude="1.4 mm").units
+    assert sweep(PEG, QUICK, amplitude="1.4 mm").tau_align.equals(sweep(own, QUICK).tau_align)
+
+
 def test_devices_that_do_not_fit():
     with pytest.raises(ValueError, match="in SI units, or all dimensionless"):
         sweep([PEG, baseline()])

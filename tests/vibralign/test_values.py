@@ -142,8 +142,22 @@ def test_outcomes_print_as_words():
     )
     assert repr(Settings(horizon=3.0)) == "Settings(horizon=3.0)"
     run = simulate(baseline(), QUICK)
-    assert repr(run).startswith(f"<Trajectory: aligned at τ = {run.tau_align:.7g} ± ")
+    assert repr(run).startswith(f"<Trajectory: aligned after τ = {run.tau_align:.7g} ± ")
     assert "1 aligned" in repr(align(baseline(), QUICK))
     assert (
         importlib.import_module("vibralign").load_device(PEG).__repr__() == f"<StatedDevice: {PEG}>"
     )
+
+
+def test_a_run_of_a_device_prints_seconds():
+    peg = load_device(PEG)
+    run = simulate(PEG, QUICK)
+    seconds = run.tau_align * run.units.time
+    assert seconds == pytest.approx(float(vibralign.sweep(PEG, QUICK).tau_align), rel=1e-6)
+    for printed in (repr(run), run._repr_html_()):
+        assert f"aligned after {seconds:.4g} s (τ = {run.tau_align:.7g} ± " in printed
+    same = simulate(peg.parameters, QUICK, shape="round", start=peg.start)
+    assert same.units is None
+    assert " s (" not in repr(same)
+    assert same == run
+    assert hash(same) == hash(run)

@@ -80,6 +80,12 @@ def read_amount(name: str, given: object, unit: str, frequency: float | None = N
 def _read_amount(name: str, given: object, unit: str) -> Amount:
     if given is None:
         raise ValueError(f"{name} is not filled in: {_rule(unit)}")
+    if name == "clearance" and (start := _AMOUNT.match(plain(str(given)))) and float(start[1]) <= 0:
+        raise ValueError(
+            f"{name} = {given!r}: no play or an interference (a transition fit) is not modelled: "
+            "the hole must be wider than the part. State the smallest clearance > 0 of the pairs "
+            "that have play, (hole - peg) / peg, and count the others as not going in"
+        )
     if isinstance(given, (int, float)) and not isinstance(given, bool):
         return Amount(float(given))
     if not isinstance(given, str):

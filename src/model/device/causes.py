@@ -10,8 +10,7 @@ from model.device.leeways import Nearest
 from model.events.outcomes import REASON_TEXT, Outcome, Reason
 from model.physics.contacts import support_on_face
 from model.physics.notation import RIGHT_EDGE, State
-from model.physics.parameters import Batch, Constants, RoundConstants, Shape
-from model.physics.variants import Variants
+from model.physics.parameters import Shape, constants_of
 from model.runs.simulate import Trajectory
 
 _STICKS = 0.99  # share of the time
@@ -85,8 +84,7 @@ def _against(run: Trajectory, shape: Shape) -> str:
 
 def _lean(run: Trajectory, shape: Shape) -> _Lean:
     """Return lean and friction angle at the largest tilt towards the hole, from the contact."""
-    row = Batch.stack([run.parameters]).constants(Variants.consistent())[0].tolist()
-    p = (RoundConstants if shape == "round" else Constants)(*row)
+    p = constants_of(run.parameters, shape)
     state = State(*run.state[int(np.argmax(run.state[:, 2]))].tolist())
     contact = support_on_face(RIGHT_EDGE, state, p)
     normal = math.hypot(*contact.normal[:2])  # 1/w of the wedge

@@ -10,8 +10,8 @@ from collections.abc import Iterator, Mapping
 from model.device.base import mass_at_edge
 from model.device.holder import DIRECTIONS, critical_damping, natural_frequencies
 from model.device.spelling import in_per_cent
-from model.physics.geometry import farthest_round
-from model.physics.parameters import FIELDS, Shape
+from model.physics.geometry import farthest_round, lever_doubt
+from model.physics.parameters import FIELDS, Shape, constants_of
 from model.physics.quantities import LENGTH
 from model.physics.units import Device
 
@@ -19,10 +19,12 @@ _LONGEST = 1.0  # m
 # Moment of inertia over that of a rectangle of the same mass, m(a² + b²)/3. A solid cylinder has at
 # least 0.75, a solid ellipsoid 0.6, and a gripper adds to it. Whole sizes for half ones give 1/4.
 _INERTIA = 0.6, 16.0
+_DENSITY = 500.0, 20e3  # mass over the volume of the part, kg/m³
 _WIDEST, _NARROWEST = 0.5, 1e-4  # clearance
 _SLIPPERIEST, _ROUGHEST = 0.005, 1.0  # friction
 _STEEPEST = 0.5  # tilt at the start, rad
 _SHARPEST = 1e-6  # rounding of an edge, m
+_DOUBTED = 0.5  # share by which the lever of a round part may be longer
 _DEADEST = 0.01  # restitution
 _STIFFEST = 3e10  # contact stiffness over half_width, Pa; edges of steel on steel have some 1e9
 _DAMPING = 2e-3, 5.0  # damping ratio
@@ -64,7 +66,8 @@ def doubts(quantities: Mapping[str, float], device: Device, shape: Shape) -> lis
     """
     found = _lengths, _sizes, _fit, _start, _excitation, _stiffnesses, _dampings
     lines = [line for each in found for line in each(quantities, device)]
-    return [*lines, *_place(quantities, shape), *_base(quantities, shape)]
+    lines += [*_place(quantities, shape), *_base(quantities, shape)]
+    return [*lines, *_lever(quantities, device, shape)]
 
 
 def _outside(value: float, span: tuple[float, float]) -> bool:
@@ -94,7 +97,10 @@ def _sizes(given: Mapping[str, float], _device: Device) -> Iterator[str]:
             f"with {_mm(given, 'half_width')} and {_mm(given, 'half_height')} has "
             f"{1e3 * size:.3g} mm"
         )
+        density = given["mass"] / (8.0 * given["half_width"] ** 2 * given["half_height"])
+        heavy = f"mass = {given['mass']:.3g} kg is {density:.2g} kg/m³ of a box of the part's size"
         hint = ": half_width is half the width (the radius), half_height half the length"
+        words = f"{heavy}; {words}" if _outside(density, _DENSITY) else words
         yield words + hint if radius < size else words
     if _outside(given["half_width"] / given["half_height"], _SLENDERNESS):
         yield f"{_mm(given, 'half_width')}, while {_mm(given, 'half_height')}"
@@ -137,6 +143,16 @@ def _place(given: Mapping[str, float], shape: Shape) -> Iterator[str]:
         yield (
             f"{_mm(given, 'misalignment')}: the press tilts a round part of this clearance towards "
             f"the hole from up to {1e3 * farthest:.3g} mm; farther out it stands flat"
+        )
+
+
+def _lever(given: Mapping[str, float], device: Device, shape: Shape) -> Iterator[str]:
+    doubt = lever_doubt(constants_of(device.parameters, shape)) if shape == "round" else 0.0
+    if _DOUBTED < doubt < math.inf:
+        yield (
+            f"soft base: at contact_stiffness = {given['contact_stiffness']:.4g} N/m, stated or "
+            "taken, the contact yields about as much as the lever of the press is long, which may "
+            f"be {100.0 * doubt:.2g} % longer: do not trust the verdict"
         )
 
 
@@ -197,9 +213,16 @@ def _base(given: Mapping[str, float], shape: Shape) -> Iterator[str]:
             yield f"contact_damping = {damping:.4g} N s/m is a damping ratio of {ratio:.2g}"
     if given.get("restitution", 1.0) < _DEADEST:
         yield f"restitution = {given['restitution']:.3g}: hardly anything bounces so little"
-    radius = given.get("edge_radius")
-    if radius is not None and _outside(radius, (_SHARPEST, given["half_width"])):
-        yield f"{_mm(given, 'edge_radius')}, while {_mm(given, 'half_width')}"
+    radius = given.get("edge_radius", _SHARPEST)
+    overlap = given["misalignment"] - given["clearance"] * given["half_width"]
+    if radius < _SHARPEST:
+        yield f"{_mm(given, 'edge_radius')}: sharper than edges are"
+    if radius > overlap:
+        yield (
+            f"{_mm(given, 'edge_radius')}, while the part lies on the edge by at most "
+            f"{1e3 * overlap:.3g} mm (misalignment - clearance * half_width): it starts on the "
+            "rounding, and the model has sharp edges"
+        )
     if "plate_radius" in given and _outside(
         given["plate_thickness"] / given["plate_radius"], _PLATE
     ):

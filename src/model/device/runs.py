@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from model.device.amounts import read_amount
-from model.device.stated import StatedDevice, load_device
+from model.device.stated import QUANTITIES, StatedDevice, load_device
 from model.physics.parameters import Batch, Parameters
 from model.physics.quantities import LENGTH, TIME, Quantity
 from model.physics.tables import vars_of
@@ -66,11 +66,24 @@ def with_changes(
         TypeError, ValueError: as ``settings_with``, or a text that is no amount.
     """
     if isinstance(device, Parameters):
-        return device, settings_with(settings, changes)
+        return device, _settings_with(settings, changes)
     texts = {n: v for n, v in changes.items() if n in IN_SI and isinstance(v, str)}
     in_si: Any = {n: read_amount(n, text, IN_SI[n].unit).value for n, text in texts.items()}
     others = {name: value for name, value in changes.items() if name not in texts}
-    return replace(device, **in_si), settings_with(settings, others)
+    return replace(device, **in_si), _settings_with(settings, others)
+
+
+def _settings_with(settings: Settings | None, changes: dict[str, Any]) -> Settings:
+    """Return ``settings_with``; a quantity of a device among the changes is sent to its place."""
+    for name, value in changes.items():
+        if name in QUANTITIES:
+            raise ValueError(
+                f"unknown setting {name!r}: it is a quantity of the device. Change the device: "
+                f"load_device(file, {{{name!r}: {value!r}}}), device.changed({name}={value!r}), or "
+                f"Parameters.replace for dimensionless ones; sweep(device, {name}={value!r}) takes "
+                "it, too"
+            )
+    return settings_with(settings, changes)
 
 
 def as_run(
@@ -84,7 +97,7 @@ def as_run(
 
 
 def simulate(parameters: AnyDevice, settings: Settings | None = None, **changes: Any) -> Trajectory:
-    """Run one device and return its trajectory, dimensionless.
+    """Run one device and return its trajectory, dimensionless, with the units of a device in SI.
 
     Args:
         parameters: device, excitation and initial state; or a device as ``load_device`` returns it,
@@ -98,7 +111,9 @@ def simulate(parameters: AnyDevice, settings: Settings | None = None, **changes:
         TypeError: no ``Parameters`` and no device, or a setting of the wrong type.
         ValueError: a setting that is unknown or out of range, or a file that states no device.
     """
-    return single.simulate(*as_run(device_of(parameters), settings, changes))
+    device = device_of(parameters)
+    run = single.simulate(*as_run(device, settings, changes))
+    return run if isinstance(device, Parameters) else replace(run, units=device.units)
 
 
 def align(
@@ -131,7 +146,7 @@ def align(
     """
     devices = batch if isinstance(batch, Batch) else devices_in(batch)
     if isinstance(devices, Batch) or all(isinstance(each, Parameters) for each in devices):
-        own = settings_with(settings, changes)
+        own = _settings_with(settings, changes)
         return many.align(devices, own, cores=cores, engine=engine)  # type: ignore[arg-type]
     runs = [as_run(each, settings, changes) for each in devices]
     rows: dict[Settings, list[int]] = {}

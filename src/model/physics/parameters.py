@@ -410,3 +410,9 @@ def _as_float(value: Any) -> float:
         return float(value)
     except OverflowError:  # an integer beyond all floats
         return math.inf
+
+
+def constants_of(parameters: Parameters, shape: Shape) -> Constants:
+    """Return the constants of one parameter set, consistent readings, for a part of this shape."""
+    row = Batch.stack([parameters]).constants(Variants.consistent())[0].tolist()
+    return (RoundConstants if shape == "round" else Constants)(*row)

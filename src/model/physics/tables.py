@@ -35,7 +35,8 @@ def numbers(name: str, fields: Sequence[str]) -> Any:
 class Value:
     """Base of public dataclasses, made with ``eq=False`` and ``repr=False``.
 
-    They are equal, and have equal hashes, if their fields hold the same, NaN and arrays included.
+    They are equal, and have equal hashes, if their fields hold the same, NaN and arrays included,
+    but for fields made with ``compare=False``.
     They print in a line, without fields that have their defaults, and as a table in notebooks.
     """
 
@@ -76,7 +77,8 @@ def _content(value: Any) -> Hashable:
         plain = np.where(np.isnan(value), np.nan, value + 0.0) if value.dtype.kind == "f" else value
         return value.dtype.str, value.shape, plain.tobytes()
     if isinstance(value, Value):
-        return type(value), _content(vars_of(value))
+        compared = {f.name: getattr(value, f.name) for f in fields(value) if f.compare}  # type: ignore[arg-type]
+        return type(value), _content(compared)
     if isinstance(value, Mapping):
         return frozenset((name, _content(each)) for name, each in value.items())
     if isinstance(value, (list, tuple)):

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from dataclasses import field
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,7 @@ from model.events.outcomes import OUTCOME_TEXT, REASON_TEXT, Outcome, Reason, re
 from model.physics.notation import STATE_SIZE
 from model.physics.parameters import Batch, Parameters
 from model.physics.tables import described
+from model.physics.units import Units
 from model.runs.engines import Array, scalar_engine
 from model.runs.errors import estimate
 from model.runs.settings import Settings, settings_with
@@ -35,7 +37,8 @@ class Trajectory(Results[Outcome, Reason, float, int, bool]):
     normal force under the part, ``side_force``, that on the left side (A2, and B2 on the wall), and
     ``right_force``, that on the right side of the slot, have shape (n,). Where a force jumps, its
     time occurs twice. An aligned run continues until the corners are inside, in the insertion scene
-    until the part is inserted.
+    until the part is inserted. ``units`` are those of a device in SI units, else None:
+    ``tau_align`` times ``units.time`` is in seconds.
     """
 
     parameters: Parameters
@@ -44,11 +47,15 @@ class Trajectory(Results[Outcome, Reason, float, int, bool]):
     contact_force: NDArray[np.float64]
     side_force: NDArray[np.float64]
     right_force: NDArray[np.float64]
+    units: Units | None = field(default=None, compare=False)
 
     def __repr__(self) -> str:
-        time = "" if math.isnan(self.tau_align) else f" at τ = {self.tau_align:.7g} ± "
-        error = time and f"{self.tau_error:.1g}"
-        return f"<Trajectory: {self.outcome}{time}{error}, {len(self.time):,} samples>"
+        time = f"τ = {self.tau_align:.7g} ± {self.tau_error:.1g}"
+        if self.units is not None:
+            time = f"{self.tau_align * self.units.time:.4g} s ({time})"
+        ended = "" if self.outcome is Outcome.ALIGNED else f"{self.outcome}, "
+        aligned = "" if math.isnan(self.tau_align) else f"aligned after {time}, "
+        return f"<Trajectory: {ended}{aligned}{len(self.time):,} samples>"
 
     @property
     def track_variables(self) -> dict[str, NDArray[np.float64]]:

@@ -3,10 +3,9 @@
 import math
 
 from model.physics.geometry import farthest_tilted, lever_doubt, press_lever
-from model.physics.parameters import Batch, Constants, Parameters, RoundConstants, Shape
+from model.physics.parameters import Parameters, Shape, constants_of
 from model.physics.quantities import ANGLE, LENGTH
 from model.physics.units import Units
-from model.physics.variants import Variants
 from model.runs.settings import Settings
 from model.show.si import in_words, scale
 
@@ -14,16 +13,11 @@ _PLACES: dict[Shape, str] = {"square": "the far edge", "round": "the tips of the
 _STANDS = 0.01  # doubt of the lever that is worth a line
 
 
-def _constants(parameters: Parameters, shape: Shape) -> Constants:
-    row = Batch.stack([parameters]).constants(Variants.consistent())[0].tolist()
-    return (RoundConstants if shape == "round" else Constants)(*row)
-
-
 def lever_words(parameters: Parameters, settings: Settings, units: Units | None) -> list[str]:
     """Return lines on the lever of a part of the settings' shape, and of one of the other."""
     shape: Shape = settings.shape or "square"
     other: Shape = "square" if shape == "round" else "round"
-    p, changed = _constants(parameters, shape), _constants(parameters, other)
+    p, changed = constants_of(parameters, shape), constants_of(parameters, other)
     own, of_other = (in_words(press_lever(each), LENGTH, units) for each in (p, changed))
     lines = [f"{'lever':<16}{own} about {_PLACES[shape]}; if it were {other}, {of_other}"]
     if shape == "round":
@@ -56,11 +50,11 @@ def lever_record(
     """Return shape, lever and farthest misalignment for --json, in SI units with ``units``."""
     shape: Shape = settings.shape or "square"
     other: Shape = "square" if shape == "round" else "round"
-    p, one = _constants(parameters, shape), scale(units, LENGTH)
+    p, one = constants_of(parameters, shape), scale(units, LENGTH)
     return {
         "shape": shape,
         "lever": press_lever(p) * one,
-        f"lever_if_{other}": press_lever(_constants(parameters, other)) * one,
+        f"lever_if_{other}": press_lever(constants_of(parameters, other)) * one,
         "farthest_tilted": farthest_tilted(p) * one,
         "lever_doubt": lever_doubt(p) if shape == "round" else 0.0,
     }
