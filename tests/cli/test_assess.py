@@ -12,7 +12,7 @@ from model.cli import main as cli
 from model.device import StatedDevice, assess, leeways, load_device
 from model.device.assess import Assessment, BaseVerdict
 from model.device.cases import cases_of
-from model.device.leeways import Leeway
+from model.device.leeways import Leeway, Nearest
 from model.device.reliability import run_devices
 from model.device.yields import drawn
 from model.show.assumptions import assumptions
@@ -240,3 +240,17 @@ def drawn_devices(path: str):
     settings = Settings(scene=INSERTION, tolerance=1e-6, horizon=0.2 / stated.units.time)
     cases = cases_of(stated, Ensemble())
     return run_devices(stated, drawn(stated, 8), cases, settings)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (1.5e-3, "1.5 mm: with it, it is reliable (tried)"),
+        (1.411e-3, "1.411 mm: with it, it is reliable (tried; 6 % further it is not)"),
+    ],
+)
+def test_a_first_change_at_the_very_border_is_said_to_be(capsys, monkeypatch, change, words):
+    near = (Nearest("amplitude", 1e-3, None, 1.411e-3),)
+    start = {"phase": 0.0}
+    given(monkeypatch, failing_start=start, nearest=near, change={"amplitude": change})
+    assert f"first to change amplitude to {words}\n" in said(capsys, "--device", PEG)

@@ -289,7 +289,9 @@ def _advice(result: "Assessment", value: Callable[[str, float], str]) -> list[st
     lines = []
     if result.change:
         words = " and ".join(f"{name} to {value(name, v)}" for name, v in result.change.items())
-        lines = [_line("first to change", f"{words}: with it, it is reliable (tried)")]
+        borders = [{each.parameter: v} for each in result.nearest for v in (each.below, each.above)]
+        tried = "tried; 6 % further it is not" if result.change in borders else "tried"
+        lines = [_line("first to change", f"{words}: with it, it is reliable ({tried})")]
     if not result.nearest:
         words = "no single parameter makes it reliable within a factor of four"
         return [*lines, words if lines else f"{words}, nor do two of those tried"]
