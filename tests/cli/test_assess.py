@@ -219,6 +219,10 @@ def test_a_limit_of_the_file_is_kept_or_exceeded(capsys, tmp_path):
     runs = drawn_devices(path)
     assert (force["drawn"], time["drawn"]) == (runs.force.max(), runs.time.max())
     assert record["yield"]["largest"]["tilt"] == runs.tilt.max()
+    most = f"at most {1e3 * runs.time.max():.4g} ms of all drawn"
+    assert re.search(rf"^alignment time .* \(5, 50, 95 %\); {most}$", shown, re.MULTILINE)
+    most = f"at most {runs.force.max():.2g} N of all drawn"
+    assert re.search(rf"^contact force .* \(5, 50, 95 %\); {most}$", shown, re.MULTILINE)
 
 
 @pytest.mark.usefixtures("_no_leeways")

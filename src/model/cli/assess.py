@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from model.sweeps.starts import Starts
 
 _line = "{:<16}{}".format
+_LARGEST = {"alignment time": "time", "contact force": "contact_force"}  # lines of the yield
 _WIDEST = 0.5  # interval of a Sobol' index that is printed
 _FEW = 256  # devices drawn where the stated device goes in from no start: the yield is low
 
@@ -359,7 +360,11 @@ def _yield_report(
     for name, values, quantity, digits in (*times, ("contact force", drawn.force, FORCE, 2)):
         if values[0] == values[0]:
             listed = si.si_list(values, quantity, digits=digits)
-            lines.append(_line(name, f"{listed} (5, 50, 95 %)"))
+            words = f"{listed} (5, 50, 95 %)"
+            largest = drawn.largest.get(_LARGEST.get(name, ""))
+            if largest is not None:
+                words += f"; at most {si.si_list((largest,), quantity, digits=digits)} of all drawn"
+            lines.append(_line(name, words))
     if drawn.forces:
         words = forces_words(drawn.forces, None, settings, in_si=True)
         lines.append(_line("  at most", words))
