@@ -66,9 +66,9 @@ class Yield(Value):
         inside: number of devices drawn that start inside the hole, which are not counted.
         forces: largest contact force of these devices by the place.
         insertion: 5, 50 and 95 % quantiles over these of the longest time until inserted.
+        confidence: level of confidence of the intervals.
         largest: longest "time" until alignment, largest "contact_force" and "tilt" of these; if a
             limit asks for it, the share that needs "vibration" to align.
-        confidence: level of confidence of the intervals.
     """
 
     devices: int
@@ -82,8 +82,8 @@ class Yield(Value):
     inside: int = 0
     forces: Mapping[str, float] = field(default_factory=dict)
     insertion: tuple[float, float, float] = (math.nan,) * 3
-    largest: Mapping[str, float] = field(default_factory=dict)
     confidence: float = CONFIDENCE
+    largest: Mapping[str, float] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         ends = f"{100.0 * self.low:.4g} to {100.0 * self.high:.4g} %"
