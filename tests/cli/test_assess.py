@@ -11,9 +11,13 @@ from model import INSERTION, Settings
 from model.cli import main as cli
 from model.device import StatedDevice, assess, leeways, load_device
 from model.device.assess import Assessment, BaseVerdict
-from model.device.leeways import Leeway
+from model.device.cases import cases_of
+from model.device.leeways import Leeway, Nearest
+from model.device.reliability import run_devices
+from model.device.yields import drawn
 from model.show.assumptions import assumptions
 from model.show.si import named_words
+from model.sweeps.settings import Ensemble
 
 PEG = str(Path(__file__).parents[1] / "square" / "peg.yaml")
 COARSE = ["--horizon", "60", "--tolerance", "1e-6"]
@@ -182,3 +186,75 @@ def test_what_is_assumed_is_said_alike():
     assert "(from steel on brass at this press force)" in words["base"]
     assert "(from a restitution of 0.5)" in words["base"]
     assert words["goal"].startswith("inserted to a depth of 1.667 mm (half of")  # 10 N / (2·3 kN/m)
+
+
+def with_limits(tmp_path, limits: str) -> str:
+    """The peg with a tolerance and limits, in a file of its own."""
+    text = Path(PEG).read_text(encoding="utf-8").replace("friction: 0.15", "friction: 0.15 ± 0.02")
+    path = tmp_path / "peg.yaml"
+    text += f"contact_stiffness: 300 kN/m\nlimits: {{{limits}}}\n"
+    path.write_text(text, encoding="utf-8")
+    return str(path)
+
+
+@pytest.mark.usefixtures("_no_leeways")
+def test_a_limit_of_the_file_is_kept_or_exceeded(capsys, tmp_path):
+    path = with_limits(tmp_path, "contact_force: 90 N, time: 5 ms, vibration: not needed")
+    line = ["--device", path, *IN_SECONDS, "--devices", "8"]
+    shown = said(capsys, *line, "--require", "0.5", code=cli.FAILED)
+    value = r"[\d.]+ m?s"
+    words = rf"reliable at the stated values, but exceeds the limit of time \({value} > 5 ms\)"
+    words += r" and of vibration \(needed against not needed\)"
+    assert re.search(rf"^verdict +{words}; yield 100 %", shown, re.MULTILINE)
+    row = r"  contact_force  limit 90 N +[\d.]+ N as stated +[\d.]+ N of all drawn +kept\n"
+    row += rf"  time           limit 5 ms +{value} as stated +{value} of all drawn +exceeded\n"
+    row += r"  vibration      limit not needed +needed as stated +needed of all drawn +exceeded\n"
+    assert re.search(rf"^limits:\n{row}", shown, re.MULTILINE)
+    assert "required        50 %: not met, as a limit is exceeded\n" in shown
+    record = json.loads(said(capsys, *line, "--json"))
+    force, time, _ = record["limits"]
+    assert [each["kept"] for each in record["limits"]] == [True, False, False]
+    assert time["itself"] == record["tau_worst"]
+    assert force["itself"] == record["contact_force_max"]
+    runs = drawn_devices(path)
+    assert (force["drawn"], time["drawn"]) == (runs.force.max(), runs.time.max())
+    assert record["yield"]["largest"]["tilt"] == runs.tilt.max()
+    most = f"at most {1e3 * runs.time.max():.4g} ms of all drawn"
+    assert re.search(rf"^alignment time .* \(5, 50, 95 %\); {most}$", shown, re.MULTILINE)
+    most = f"at most {runs.force.max():.2g} N of all drawn"
+    assert re.search(rf"^contact force .* \(5, 50, 95 %\); {most}$", shown, re.MULTILINE)
+
+
+@pytest.mark.usefixtures("_no_leeways")
+def test_a_limit_that_only_drawn_devices_exceed_is_said_so(capsys, tmp_path):
+    line = [*IN_SECONDS, "--devices", "8", "--require", "0.5", "--device"]
+    record = json.loads(said(capsys, *line, with_limits(tmp_path, "time: 1 s"), "--json"))
+    [time] = record["limits"]
+    assert time["itself"] < time["drawn"]
+    between = 0.5 * (time["itself"] + time["drawn"])
+    path = with_limits(tmp_path, f"time: {between!r}")
+    verdict = said(capsys, *line, path, code=cli.FAILED).splitlines()[1]
+    words = "confidence) under the tolerances, but within them it exceeds the limit of time ("
+    assert verdict.startswith("verdict         reliable at the stated values; yield 100 %")
+    assert words in verdict
+
+
+def drawn_devices(path: str):
+    stated = load_device(path)
+    settings = Settings(scene=INSERTION, tolerance=1e-6, horizon=0.2 / stated.units.time)
+    cases = cases_of(stated, Ensemble())
+    return run_devices(stated, drawn(stated, 8), cases, settings)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (1.5e-3, "1.5 mm: with it, it is reliable (tried)"),
+        (1.411e-3, "1.411 mm: with it, it is reliable (tried; 6 % further it is not)"),
+    ],
+)
+def test_a_first_change_at_the_very_border_is_said_to_be(capsys, monkeypatch, change, words):
+    near = (Nearest("amplitude", 1e-3, None, 1.411e-3),)
+    start = {"phase": 0.0}
+    given(monkeypatch, failing_start=start, nearest=near, change={"amplitude": change})
+    assert f"first to change amplitude to {words}\n" in said(capsys, "--device", PEG)

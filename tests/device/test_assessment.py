@@ -11,7 +11,7 @@ from model import Batch, Settings, simulate
 from model.device import load_device
 from model.device.assess import Assessment, BaseVerdict, assess, impact_speed
 from model.device.batches import devices_of
-from model.device.leeways import FINEST, STEP, STEPS, VARIED, leeways, nearest
+from model.device.leeways import FINEST, STEP, STEPS, VARIED, a_step_inside, leeways, nearest
 from model.device.reliability import are_reliable, reliable_at, run_devices
 from model.sweeps.settings import Ensemble
 from model.sweeps.starts import every_start, starts_of
@@ -88,6 +88,21 @@ def test_the_nearest_reliable_values_have_a_direction(device):
     [force] = nearest(device, oracle(device, press_force=(1.0, 1.7))[0])
     assert force.below <= 1.7 < force.below * (1.0 + FINEST)
     assert nearest(device, oracle(device, press_force=(100.0, 200.0))[0]) == ()
+
+
+@pytest.mark.parametrize(
+    ("reliable", "border", "advised"),
+    [((2.3, 5.0), 2.3, 2.437), ((1.0, 1.7), 1.7, 1.605), ((2.3, 2.4), 2.3, 2.3)],
+)
+def test_the_first_change_is_a_step_inside_where_that_is_reliable(
+    device, reliable, border, advised
+):
+    device = device.replace(press_force=2.0)
+    is_reliable, _ = oracle(device, press_force=reliable)
+    found = a_step_inside(device, is_reliable, {"press_force": border})
+    assert found == {"press_force": advised}
+    both = {"press_force": 3.0, "friction": 0.1}
+    assert a_step_inside(device, is_reliable, both) == both
 
 
 def test_the_model_is_reliable_up_to_a_leeway_and_not_beyond(device):

@@ -8,7 +8,7 @@ import pytest
 
 from model import Settings
 from model.device import design as designs
-from model.device import design_trials, load_device
+from model.device import design_trials, load_device, reliability
 from model.device.amounts import Tolerance
 from model.device.design import as_printed, search, tried_of, with_tolerances
 from model.device.design_changes import halved, relaxed, widened
@@ -85,7 +85,7 @@ def test_vibration_may_be_asked_for_or_not(monkeypatch, tmp_path):
         aligns = batch.values["press_force"] > 4.0
         return UnvibratedEnds(np.where(aligns, Unvibrated.ALIGNS, Unvibrated.RESTS), None)
 
-    monkeypatch.setattr(design_trials, "unvibrated", controls)
+    monkeypatch.setattr(reliability, "unvibrated", controls)
     needed, not_needed = (
         search(trials({"vibration": share, "contact_force": 40.0}), 8, 12)[0]
         for share in (1.0, 0.0)

@@ -54,7 +54,7 @@ FROZEN = {
     "vibralign.yield_of": "stated starts settings cores devices seed indices",
     "vibralign.Yield": """
         devices going_in low high time force runs sobol_indices inside forces insertion
-        confidence
+        confidence largest
     """,
     "vibralign.DeviceResults": """
         values goes_in time times force tilt failing forces inside insertion

@@ -3,7 +3,7 @@
 import argparse
 import os
 import shlex
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, astuple, replace
 from functools import partial
 from pathlib import Path
@@ -18,6 +18,7 @@ from model.cli.arguments import (
     read_inputs,
 )
 from model.cli.files import check_file, check_picture
+from model.cli.limits import exceeded_words, limit_lines
 from model.cli.progress import ProgressLine
 from model.cli.simulate import unvibrated_record
 from model.cli.tables import in_columns, print_json
@@ -36,11 +37,13 @@ if TYPE_CHECKING:
     from model.device.assess import Assessment, BaseVerdict
     from model.device.design_trials import Check
     from model.device.leeways import Leeway, Nearest
+    from model.device.limits import LimitResult
     from model.device.yields import FailingDevice, Yield
     from model.runs.settings import Settings
     from model.sweeps.starts import Starts
 
 _line = "{:<16}{}".format
+_LARGEST = {"alignment time": "time", "contact force": "contact_force"}  # lines of the yield
 _WIDEST = 0.5  # interval of a Sobol' index that is printed
 _FEW = 256  # devices drawn where the stated device goes in from no start: the yield is low
 
@@ -58,7 +61,8 @@ def add(commands: Any) -> None:
         "others held, by up to a factor of four or until the device is not reliable. If the file "
         "states tolerances, devices are drawn within them: their yield, and what is to blame for "
         "failures.",
-        epilog="exit code: 0 the device was assessed; 1 the yield of --require is not met; "
+        epilog="exit code: 0 the device was assessed; 1 the yield of --require is not met, or a "
+        "limit of the file is exceeded with it; "
         "2 bad input",
     )
     add = parser.add_argument
@@ -85,6 +89,7 @@ def _assess(arguments: argparse.Namespace) -> int:
     announce_compilation()
     from model.device.assess import assess  # noqa: PLC0415  (only this command)
     from model.device.cases import cases_of  # noqa: PLC0415
+    from model.device.limits import limit_results  # noqa: PLC0415
 
     ensemble, cores = given.study.maps.ensemble, os.cpu_count() or 1
     drawn, nearest = None, None
@@ -95,13 +100,15 @@ def _assess(arguments: argparse.Namespace) -> int:
             line.begin("devices within the tolerances")
             cases = cases_of(stated, ensemble)
             drawn, nearest = _drawn(result, stated, cases, settings, cores, devices)
-    met = drawn is None or required is None or drawn.low >= required
+    limits = limit_results(stated, result, drawn, settings) if stated is not None else ()
+    kept = all(each.exceeding is None for each in limits)
+    met = drawn is None or required is None or (drawn.low >= required and kept)
     assumed = assumptions(device, settings, stated, ensemble)
     if stated is not None and not stated.base_is_stated:
         assumed["base"] = (
             f"worst of {len(result.bases)} that are tried, this one first: " + (assumed["base"])
         )
-    verdict = headline(result, drawn)
+    verdict = headline(result, drawn, limits)
     if arguments.json:
         print_json(
             _record(result, given.units)
@@ -110,6 +117,7 @@ def _assess(arguments: argparse.Namespace) -> int:
             | si.natural_record(device, given.units)
             | lever_record(device, settings, given.units)
             | {"yield": drawn and stated and _yield_record(drawn, nearest, stated, settings)}
+            | {"limits": [asdict(each) | {"kept": each.exceeding is None} for each in limits]}
             | {"assumptions": assumed}
         )
         return int(not met)
@@ -117,32 +125,42 @@ def _assess(arguments: argparse.Namespace) -> int:
     source = "the study's, dimensionless (no --device)"
     if stated is not None:
         source = source_words(stated)
-    groups = {"Verdict": _verdict(result, units, device, settings)}
+    groups = {"Verdict": [*_verdict(result, units, device, settings), *limit_lines(limits)]}
     value = partial(_value, stated=stated, units=units)
     groups["Leeways"] = [*_advice(result, value), *_varied(result, value)]
     if drawn is not None and stated is not None:
-        groups["Yield"] = _yield_report(result, drawn, nearest, stated, required, settings)
+        words = ""
+        if required is not None:
+            words = f"{100.0 * required:.4g} %: {'met' if met else 'not met'}"
+            words += "" if kept else ", as a limit is exceeded"
+        groups["Yield"] = _yield_report(result, drawn, nearest, stated, words, settings)
     groups["Assumptions"] = lines_of(assumed)
     head = [_line("device", source), _line("verdict", verdict)]
     print("\n".join([*head, *(line for lines in groups.values() for line in lines)]))
     if arguments.sheet is not None and stated is not None:
         from model.cli.sheet import write_sheet  # noqa: PLC0415  (as above)
 
-        good = result.reliable and (drawn is None or drawn.share == 1.0)
+        good = result.reliable and kept and (drawn is None or drawn.share == 1.0)
         with ProgressLine() as line:
             line.begin("map of the sheet")
             write_sheet(arguments.sheet, stated, (verdict, good), groups, given.study, settings)
     return int(not met)
 
 
-def headline(result: "Assessment", drawn: "Yield | Check | None") -> str:
+def headline(
+    result: "Assessment", drawn: "Yield | Check | None", limits: "Sequence[LimitResult]" = ()
+) -> str:
     """Return the verdict on a device at its stated values, and within its tolerances."""
     words = f"{'' if result.reliable else 'not '}reliable at the stated values"
     if result.depends_on_base:
         words = "depends on the base: measure it"
+    exceeds, drawn_exceed = (exceeded_words(limits, only_drawn=only) for only in (False, True))
+    if exceeds:
+        words += f", {'but' if result.reliable else 'and'} {exceeds}"
     if drawn is None:
         return f"{words}; no tolerances are stated"
-    return f"{words}; yield {_yield_words(drawn)} under the tolerances"
+    words += f"; yield {_yield_words(drawn)} under the tolerances"
+    return f"{words}, but within them it {drawn_exceed}" if drawn_exceed else words
 
 
 def _yield_words(drawn: "Yield | Check") -> str:
@@ -272,7 +290,9 @@ def _advice(result: "Assessment", value: Callable[[str, float], str]) -> list[st
     lines = []
     if result.change:
         words = " and ".join(f"{name} to {value(name, v)}" for name, v in result.change.items())
-        lines = [_line("first to change", f"{words}: with it, it is reliable (tried)")]
+        borders = [{each.parameter: v} for each in result.nearest for v in (each.below, each.above)]
+        tried = "tried; 6 % further it is not" if result.change in borders else "tried"
+        lines = [_line("first to change", f"{words}: with it, it is reliable ({tried})")]
     if not result.nearest:
         words = "no single parameter makes it reliable within a factor of four"
         return [*lines, words if lines else f"{words}, nor do two of those tried"]
@@ -321,7 +341,7 @@ def _yield_report(
     drawn: "Yield",
     failing: "FailingDevice | None",
     stated: "StatedDevice",
-    required: float | None,
+    required: str,
     settings: "Settings",
 ) -> list[str]:
     words = f"{_yield_words(drawn)}: {drawn.going_in} of {drawn.devices} "
@@ -331,9 +351,8 @@ def _yield_report(
     if drawn.inside:
         words = f"{drawn.inside} more start inside the hole, and are not counted"
         lines.append(_line("inside", f"{words}: the method does nothing for them"))
-    if required is not None:
-        word = "met" if drawn.low >= required else "not met"
-        lines.append(_line("required", f"{100.0 * required:.4g} %: {word}"))
+    if required:
+        lines.append(_line("required", required))
     times = [("alignment time", drawn.time, TIME, si.DIGITS)] if drawn.going_in else []
     if drawn.insertion[0] == drawn.insertion[0]:  # no NaN
         times.append(("inserted after", drawn.insertion, TIME, si.DIGITS))
@@ -341,7 +360,11 @@ def _yield_report(
     for name, values, quantity, digits in (*times, ("contact force", drawn.force, FORCE, 2)):
         if values[0] == values[0]:
             listed = si.si_list(values, quantity, digits=digits)
-            lines.append(_line(name, f"{listed} (5, 50, 95 %)"))
+            words = f"{listed} (5, 50, 95 %)"
+            largest = drawn.largest.get(_LARGEST.get(name, ""))
+            if largest is not None:
+                words += f"; at most {si.si_list((largest,), quantity, digits=digits)} of all drawn"
+            lines.append(_line(name, words))
     if drawn.forces:
         words = forces_words(drawn.forces, None, settings, in_si=True)
         lines.append(_line("  at most", words))

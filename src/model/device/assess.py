@@ -18,7 +18,7 @@ from model.device import StatedDevice
 from model.device.batches import Values
 from model.device.cases import OF_BASE, cases_of, on_bases, parameters_in, stated_case
 from model.device.causes import cause_of, first_change
-from model.device.leeways import Leeway, Nearest, leeways, nearest, together
+from model.device.leeways import Leeway, Nearest, a_step_inside, leeways, nearest, together
 from model.device.reliability import (
     FORCES,
     STATISTICAL_TOLERANCE,
@@ -107,7 +107,8 @@ class Assessment(Value):
         inserted: shortest and longest time until inserted, NaN without any.
         cause: why the failing case fails, in words; empty if none fails.
         change: the first change that makes it reliable, tried: values of one parameter or two, in
-            SI units for a device of a file; empty if none was found.
+            SI units for a device of a file; empty if none was found. Of one parameter it is a step
+            (6 %) beyond the nearest reliable value, where that is reliable as well.
         if_square: successes of a square part in its place; None if the shape is stated.
     """
 
@@ -249,7 +250,8 @@ def assess(
     if not vary:
         return result
     near = nearest(device, is_reliable, held)
-    change = first_change(cause, near) or together(device, is_reliable, _PAIRED)
+    change = a_step_inside(device, is_reliable, first_change(cause, near))
+    change = change or together(device, is_reliable, _PAIRED)
     return replace(result, nearest=near, change=change)
 
 

@@ -18,19 +18,18 @@ from scipy import stats
 
 from model.device import StatedDevice
 from model.device.amounts import SIGMAS
-from model.device.batches import Values, devices_of
+from model.device.batches import Values
 from model.device.reliability import (
     STATISTICAL_TOLERANCE,
     DeviceResults,
     Floats,
     are_reliable,
+    need_vibration,
     run_devices,
 )
 from model.device.yields import DEVICES, drawn, nearest_failing
-from model.events.outcomes import Unvibrated
 from model.physics.parameters import FIELDS
 from model.runs.settings import Settings
-from model.runs.unvibrated import unvibrated
 from model.sweeps.starts import Starts
 
 POINTS = 16  # devices drawn within the tolerances of a setting, a power of two
@@ -95,8 +94,7 @@ class Trials:
         on_lines = goes_in[:, -len(lines) :]
         margin = self._nearest_failure(points, lines, on_lines, margin, 1 + POINTS)
         measures = [
-            np.fmax.reduce(each.reshape(shape), axis=1)
-            for each in (results.time, results.force, results.tilt)
+            np.fmax.reduce(each.reshape(shape), axis=1) for each in results.measures.values()
         ]
         share = goes_in[:, : 1 + POINTS].mean(axis=1)
         columns = share, margin, *measures, self._needs_vibration(values, shape)
@@ -129,11 +127,11 @@ class Trials:
             margin = self._margin_from_every_start(np.array([list(setting.values())]))
         else:
             margin = failing.distance
-        measures = (float(np.fmax.reduce(each)) for each in (whole.time, whole.force, whole.tilt))
         needs = float(self._needs_vibration(whole.values, (1, done))[0])
         going_in = int(whole.goes_in.sum())
         forces = {place: float(np.fmax.reduce(each)) for place, each in whole.forces.items()}
-        return Check((going_in / done, margin, *measures, needs), done, going_in, forces)
+        row = (going_in / done, margin, *whole.largest.values(), needs)
+        return Check(row, done, going_in, forces)
 
     @property
     def _statistical(self) -> Settings:
@@ -143,9 +141,8 @@ class Trials:
 
     def _is_good(self, results: DeviceResults) -> NDArray[np.bool_]:
         """Return which devices go in and keep the limits of time, force and tilt."""
-        largest = {"time": results.time, "contact_force": results.force, "tilt": results.tilt}
         limits = self.stated.limits
-        kept = [each <= limits.get(name, math.inf) for name, each in largest.items()]
+        kept = [each <= limits.get(name, math.inf) for name, each in results.measures.items()]
         good: NDArray[np.bool_] = np.logical_and.reduce([results.goes_in, *kept])
         return good
 
@@ -170,8 +167,8 @@ class Trials:
         """
         if "vibration" not in self.stated.limits:
             return np.full(shape[0], np.nan)
-        controls = unvibrated(devices_of(self.stated, values)[0], self._statistical, self.cores)
-        shares: Floats = (controls.outcome != Unvibrated.ALIGNS).reshape(shape).mean(axis=1)
+        needs = need_vibration(self.stated, values, self._statistical, self.cores)
+        shares: Floats = needs.reshape(shape).mean(axis=1)
         return shares
 
     def _margin_from_every_start(self, point: Floats) -> float:

@@ -160,6 +160,23 @@ def together(device: Stated, is_reliable: IsReliable, names: Names) -> dict[str,
     return min(good, key=change, default={})
 
 
+def a_step_inside(
+    device: Stated, is_reliable: IsReliable, change: Mapping[str, float]
+) -> Mapping[str, float]:
+    """Return a change of one parameter a step further from its own value, where that is reliable.
+
+    Else, and for any other change, the change itself.
+    """
+    if len(change) != 1:
+        return change
+    [(name, border)] = change.items()
+    ratio = STEP if abs(border) > abs(_own(device)[name]) else 1.0 / STEP
+    inside = _values(device, name, border, ratio, 1)[1:]
+    if inside and is_reliable({name: np.array(inside)}).all():
+        return {name: inside[0]}
+    return change
+
+
 def _ends(
     device: Stated, are_alike: IsReliable, held: Names, roughly: IsReliable | None = None
 ) -> list[_End]:

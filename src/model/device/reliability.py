@@ -20,12 +20,13 @@ from model.device.cases import cases_of, on_bases
 from model.device.runs import AnyDevice, devices_in
 from model.device.stated import QUANTITIES, unit_of
 from model.events.insertion import INSERTION
-from model.events.outcomes import Outcome
+from model.events.outcomes import Outcome, Unvibrated
 from model.events.table import PLACES_OF_CONTACT
 from model.physics.parameters import PARAMETER_NAMES, Parameters, check_name
 from model.physics.tables import Value
 from model.physics.units import Units
 from model.runs.settings import Settings
+from model.runs.unvibrated import unvibrated
 from model.sweeps.settings import Ensemble
 from model.sweeps.starts import Starts, every_start
 
@@ -73,6 +74,17 @@ class DeviceResults(Value):
             return column[rows]
 
         return DeviceResults(*(of(getattr(self, each.name)) for each in fields(self)))
+
+    @property
+    def measures(self) -> dict[str, Floats]:
+        """What a limit of this name bounds, each of shape (n,)."""
+        return {"time": self.time, "contact_force": self.force, "tilt": self.tilt}
+
+    @property
+    def largest(self) -> dict[str, float]:
+        """Largest of each of the measures over all devices, NaN without any."""
+        measures = self.measures.items()
+        return {name: float(np.fmax.reduce(each, initial=np.nan)) for name, each in measures}
 
     def __repr__(self) -> str:
         return f"<DeviceResults: {self.goes_in.sum():,} of {self.goes_in.size:,} devices go in>"
@@ -122,6 +134,18 @@ def run_devices(
         inside=inside,
         insertion=np.fmax.reduce(inserted, axis=1) * second,
     )
+
+
+def need_vibration(
+    stated: StatedDevice, values: Values, settings: Settings, cores: int = 1
+) -> NDArray[np.bool_]:
+    """Return a mask of the devices that do not align without vibration, shape (n,)."""
+    devices, units = devices_of(stated, values)
+    needs = np.empty(len(devices), dtype=bool)
+    for own, rows in by_settings(stated, settings, units).items():
+        controls = unvibrated(rows_of(devices, rows), own, cores)
+        needs[rows] = controls.outcome != Unvibrated.ALIGNS
+    return needs
 
 
 def are_reliable(

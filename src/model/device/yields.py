@@ -19,7 +19,7 @@ from scipy import stats
 
 from model.device import StatedDevice, Tolerance, load_device
 from model.device.cases import stated_case
-from model.device.reliability import DeviceResults, Floats, run_devices
+from model.device.reliability import DeviceResults, Floats, need_vibration, run_devices
 from model.events.insertion import INSERTION
 from model.physics.parameters import FIELDS
 from model.physics.tables import Value
@@ -67,6 +67,8 @@ class Yield(Value):
         forces: largest contact force of these devices by the place.
         insertion: 5, 50 and 95 % quantiles over these of the longest time until inserted.
         confidence: level of confidence of the intervals.
+        largest: longest "time" until alignment, largest "contact_force" and "tilt" of these; if a
+            limit asks for it, the share that needs "vibration" to align.
     """
 
     devices: int
@@ -81,6 +83,7 @@ class Yield(Value):
     forces: Mapping[str, float] = field(default_factory=dict)
     insertion: tuple[float, float, float] = (math.nan,) * 3
     confidence: float = CONFIDENCE
+    largest: Mapping[str, float] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         ends = f"{100.0 * self.low:.4g} to {100.0 * self.high:.4g} %"
@@ -177,6 +180,10 @@ def yield_of(
     counted = devices - inside
     going_in, runs = int(results.goes_in.sum()), devices * len(starts)
     low, high = interval(going_in, counted)
+    largest = results.largest
+    if "vibration" in stated.limits and counted:
+        needs = need_vibration(stated, results.values, settings, cores)
+        largest["vibration"] = float(needs.mean())
     sobol: tuple[SobolIndices, ...] = ()
     if indices and going_in:
         some = starts[::INDEX_STARTS]
@@ -194,6 +201,7 @@ def yield_of(
         inside=inside,
         forces={place: float(each.max(initial=0.0)) for place, each in results.forces.items()},
         insertion=_quantiles(results.insertion),
+        largest=largest,
     )
     return result, results
 

@@ -121,14 +121,14 @@ UNVIBRATED_TEXT: dict[Unvibrated, str] = {
     Unvibrated.LEAVES: "does not come to rest on the edge within the horizon",
 }
 
+_USUAL = "amplitude, press_force, tilt_stiffness or frequency"  # what is changed first
+
 _REMEDY_OF_OUTCOME: dict[Outcome, str] = {
     Outcome.ALIGNED: "none needed",
-    Outcome.SETTLED: "change press_force, tilt_stiffness or frequency: a longer horizon changes "
-    "nothing",
+    Outcome.SETTLED: f"change {_USUAL}: a longer horizon changes nothing",
     Outcome.LEFT_SCENE: "lower press_force or raise tilt_stiffness so that the part stays on the "
     "edge",
-    Outcome.HORIZON_REACHED: "raise the horizon, or change press_force, tilt_stiffness or "
-    "frequency",
+    Outcome.HORIZON_REACHED: f"raise the horizon, or change {_USUAL}",
     Outcome.INSERTED: "none needed",
     Outcome.JAMMED: "raise press_force, or lower friction",
     Outcome.CLIMBED_OUT: "lower press_force or raise tilt_stiffness and tilt_damping, so that the "
@@ -144,8 +144,7 @@ _REMEDY_OF_REASON: dict[Reason, str] = {
     Reason.IMPOSSIBLE_START: "lower initial_tilt or raise clearance",
     Reason.TOO_MANY_EVALUATIONS: "raise max_evaluations, or lower contact_stiffness or the horizon",
     Reason.CHATTER: "change the tolerance; report the parameters if it stays",
-    Reason.CHAOTIC: "change press_force, tilt_stiffness or frequency: a longer horizon leaves it "
-    "to chance",
+    Reason.CHAOTIC: f"change {_USUAL}: a longer horizon leaves it to chance",
     Reason.NO_REST: "lower press_force, or raise tilt_stiffness or friction, so that it rests; or "
     "start = 'simultaneous'",
     Reason.NO_FRICTION_SOLUTION: "use the consistent readings normal_sign and side_force, under "
