@@ -92,12 +92,13 @@ def _design(arguments: argparse.Namespace) -> int:
         trials.stated, design.setting, given.settings, given.study.maps.ensemble,
         tolerances_assumed=assumed_tolerances,
     )  # fmt: skip
+    if not arguments.json:
+        print("\n".join([*report(answer), *lines_of(assumed)]), flush=True)
     _write(arguments, design, trials.stated, assumed)
     if arguments.json:
         changes = _try_changes(answer, known, lambda _: None)
         print_json(record(answer, changes) | {"assumptions": assumed})
     else:
-        print("\n".join([*report(answer), *lines_of(assumed)]), flush=True)
 
         def tell(change: "Change") -> None:
             if words := change_line(design, change):

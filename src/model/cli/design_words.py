@@ -78,7 +78,7 @@ def report(answer: Answer) -> list[str]:
     lines.append(_line("what binds", ", ".join(_binding(design)) or "nothing: it lies inside"))
     words = f"{tried.share.size} settings, quickly; {len(design.checks)} as assess checks them"
     if design.check is not None:
-        words += f", this one by {design.check.devices} devices"
+        words += f", this one by {design.check.devices:,} devices"
     lines.append(_line("tried", words))
     if design.feasible and len(design.front) > 1:
         words = "front of time against margin, by quick trials: assess one before you take it"
