@@ -11,8 +11,8 @@ from model.device import design as designs
 from model.device import design_trials, load_device, reliability
 from model.device.amounts import Tolerance
 from model.device.design import as_printed, search, tried_of, with_tolerances
-from model.device.design_changes import halved, relaxed, widened
-from model.device.design_trials import FARTHEST, MEASURES, Trials
+from model.device.design_changes import attempted, proposed
+from model.device.design_trials import FARTHEST, MEASURES, Runs, SpentError, Trials
 from model.device.reliability import DeviceResults
 from model.events.outcomes import Unvibrated
 from model.runs.unvibrated import UnvibratedEnds
@@ -31,6 +31,20 @@ def trials(limits=None):
 
 def tried(of: Trials, points):
     return tried_of(points, of.quick(np.array(points)), FREE)
+
+
+def changes(of: Trials, best, known, *kinds):
+    """Changes of these kinds that were tried."""
+    every = [each for each in proposed(best, of.stated.tolerances) if each.kind in kinds]
+    return [attempted(of, best, known, each) for each in every]
+
+
+def relaxed(of, best, known):
+    return [each for each in changes(of, best, known, "relax") if each.better]
+
+
+def widened(of, best, known):
+    return changes(of, best, known, "limit", "upper end", "lower end")
 
 
 def oracle(monkeypatch, fails=lambda force, friction: friction >= 0.1 + force / 100.0):
@@ -96,8 +110,10 @@ def test_vibration_may_be_asked_for_or_not(monkeypatch, tmp_path):
     one = trials({"vibration": 0.0, "contact_force": 22.0})
     none, known = search(one, 4, 12)
     assert not none.feasible
-    changes = relaxed(one, none, known)
-    assert {each.name for each in changes} == {"vibration", "contact_force"}
+    assert {each.proposal.name for each in relaxed(one, none, known)} == {
+        "vibration",
+        "contact_force",
+    }
     text = PEG.read_text() + "limits: {vibration: needed}\n"
     (tmp_path / "peg.yaml").write_text(text)
     assert load_device(tmp_path / "peg.yaml").limits == {"vibration": 1.0}
@@ -118,7 +134,7 @@ def test_the_best_setting_has_the_largest_margin_and_keeps_the_limits(monkeypatc
     )
     assert relaxed(one, best, known) == []
     [wider] = widened(one, best, known)  # 60 N: the press force may be 24 N, the end of its range
-    assert (wider.kind, wider.name, wider.value) == ("limit", "contact_force", 60.0)
+    assert (*wider.proposal, wider.value) == ("limit", "contact_force", 60.0)
     assert wider.better
     assert wider.design.setting["press_force"] > 20.0
     assert wider.design.check.devices == 64
@@ -133,15 +149,45 @@ def test_a_limit_that_none_keeps_is_named_with_what_it_would_take(monkeypatch):
     best, known = search(one, 8, 12)
     assert not best.feasible
     assert best.check.devices == 64  # its numbers are those of all devices
-    changes = {each.name: each for each in relaxed(one, best, known)}
+    relaxes = {each.proposal.name: each for each in relaxed(one, best, known)}
     # time <= 0.08 asks for f0 >= 12.5, and a force of 25
-    assert changes["contact_force"].value == pytest.approx(25.0, rel=0.1)
-    assert changes["time"].value == pytest.approx(1.0 / 11.0, rel=0.1)  # at f0 = 11
-    for name, each in changes.items():  # of this setting, as all devices have it
+    assert relaxes["contact_force"].value == pytest.approx(25.0, rel=0.1)
+    assert relaxes["time"].value == pytest.approx(1.0 / 11.0, rel=0.1)  # at f0 = 11
+    for name, each in relaxes.items():  # of this setting, as all devices have it
         design = each.design
         assert each.value == design.tried.measures[name][design.best]
         assert each.value == one.check(design.setting, stop=False).row[MEASURE[name]]
         assert design.check.devices == 64
+
+
+def test_changes_take_no_more_runs_than_they_may(monkeypatch):
+    sizes = oracle(monkeypatch)
+    one = trials({"contact_force": 40.0})
+    best, known = search(one, 8, 12)
+    assert one.runs.taken >= sum(sizes)  # devices, each from one start at least
+    [proposal] = proposed(best, one.stated.tolerances)
+    enough, short = (replace(one, runs=Runs(most)) for most in (one.runs.taken, 100))
+    assert attempted(enough, best, known, proposal).better
+    assert 100 < enough.runs.taken <= enough.runs.most
+    with pytest.raises(SpentError):
+        attempted(short, best, known, proposal)
+    assert short.runs.taken <= 100
+
+
+def test_the_limit_that_needs_least_is_relaxed_first(monkeypatch):
+    oracle(monkeypatch)
+    for limits in ({"time": 0.02, "contact_force": 22.0}, {"time": 0.08, "contact_force": 16.0}):
+        one = trials(limits)
+        best, known = search(one, 8, 12)
+        # time <= 0.02 asks for f0 >= 50, which the range has not; f0 = 11 takes 0.09
+        kinds = [each for each in proposed(best, one.stated.tolerances) if each.kind == "relax"]
+        needs = {
+            each.proposal.name: each.value / limits[each.proposal.name]
+            for each in changes(one, best, known, "relax")
+            if each.better
+        }
+        assert needs
+        assert [each.name for each in kinds][: len(needs)] == sorted(needs, key=needs.__getitem__)
 
 
 def test_a_range_that_binds_is_widened_and_tried(monkeypatch):
@@ -151,7 +197,7 @@ def test_a_range_that_binds_is_widened_and_tried(monkeypatch):
     best, known = search(narrow, 4, 12)
     assert best.near_ends == [("press_force", "upper")]
     [wider] = widened(narrow, best, known)
-    assert (wider.kind, wider.name, wider.value) == ("upper end", "press_force", 10.0)
+    assert (*wider.proposal, wider.value) == ("upper end", "press_force", 10.0)
     assert wider.better
     assert wider.design.setting["press_force"] == 10.0
     assert wider.design.tried.margin[wider.design.best] > best.tried.margin[best.best]
@@ -174,7 +220,9 @@ def test_the_tolerance_to_halve_is_the_one_that_makes_devices_fail(monkeypatch):
     assert 0.0 < best.tried.share[best.best] < 1.0
     both = {**one.stated.tolerances, "misalignment": Tolerance("uniform", 0.1, relative=True)}
     wide = replace(one, stated=replace(one.stated, tolerances=both))
-    assert set(halved(wide, best)) == {"friction"}
+    halved = changes(wide, best, known, "tolerance")
+    assert {each.proposal.name for each in halved} == set(both)
+    assert [each.proposal.name for each in halved if each.better] == ["friction"]
     assert widened(one, best, known) == []
 
 

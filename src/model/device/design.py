@@ -142,6 +142,17 @@ class Design:
         return [*(f"limit of {name}" for name in self.near_limits), *ends]
 
     @property
+    def passed(self) -> list[str]:
+        """Names of the limits that the recommended setting does not keep; none if none goes in."""
+        if not self.tried.share[self.best] > 0.0:
+            return []
+        return [
+            name
+            for name, limit in self.limits.items()
+            if self.tried.excess({name: limit})[self.best] > 0.0
+        ]
+
+    @property
     def near_limits(self) -> list[str]:
         """Names of the limits that the recommended setting is ``NEAR`` to."""
         return [
@@ -181,7 +192,7 @@ def search(
     trials: Trials,
     generations: int,
     population: int,
-    after: Callable[[int, int], None] = lambda *_: None,
+    tell: Callable[[str], None] = lambda _: None,
 ) -> tuple[Design, Known]:
     """Return the best setting of a device, and the results of all quick trials.
 
@@ -189,7 +200,7 @@ def search(
         trials: trials of its settings; their seed is also that of the optimiser.
         generations: of differential evolution.
         population: settings a generation.
-        after: called after each generation with its number and the number of settings tried.
+        tell: called with the step under way, in words, and of how many it is one.
     """
     free, limits = trials.stated.free, trials.stated.limits
     low, high = np.array(list(free.values())).T
@@ -206,8 +217,9 @@ def search(
     def report(intermediate_result: Any) -> None:  # noqa: ARG001 - by its name, for scipy
         nonlocal done
         done += 1
-        after(done, len(known))
+        tell(f"generation {done} of {generations} done, {len(known):,} settings tried")
 
+    tell(f"first settings of the search, then {generations} generations")
     first = stats.qmc.LatinHypercube(len(low), rng=np.random.default_rng(trials.seed))
     optimize.differential_evolution(
         score,
@@ -221,7 +233,7 @@ def search(
         tol=0.0,
         callback=report,
     )
-    return checked(trials, known), known
+    return checked(trials, known, tell=tell), known
 
 
 def checked(
@@ -229,6 +241,7 @@ def checked(
     known: Known,
     rank: Callable[[Tried], Floats] | None = None,
     most: int = CHECKS,
+    tell: Callable[[str], None] = lambda _: None,
 ) -> Design:
     """Check the best settings until one holds; return the design.
 
@@ -249,6 +262,7 @@ def checked(
             return _in_full(trials, replace(design, best=best), keys, rows)
         among = open_ones if open_ones.size else np.arange(len(keys))
         design = replace(design, best=int(among[np.argmin(order[among])]))
+        tell(f"check {len(checks) + 1} of at most {most}")
         checks[design.best] = trials.check(design.setting)
 
 

@@ -6,8 +6,9 @@ setting of the search needs that keeps all others. A tolerance is halved. What i
 is what the check of its setting found.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,76 +23,110 @@ _CHECKS = 4  # most settings that are checked for one change
 _HALVED = 0.5
 
 
-@dataclass(frozen=True)
-class Change:
-    """A change of a limit, or of an end of a range, and the design with it.
+class Proposal(NamedTuple):
+    """A change that may help.
 
     Attributes:
-        kind: "limit", "upper end" or "lower end".
+        kind: "relax" for a limit that is relaxed as far as needed; "limit", "upper end" or "lower
+            end" for one that is widened by ``STEP``; "tolerance" for one that is halved.
         name: name of the limit or quantity.
-        value: its value after the change, in SI units.
-        design: the best setting with it, checked; other limits and ranges hold.
-        better: True if the setting keeps the limits and has a better score than without.
     """
 
     kind: str
     name: str
+
+
+@dataclass(frozen=True)
+class Change:
+    """A change that was tried, and the design with it.
+
+    Attributes:
+        proposal: the change.
+        value: value of the limit, end or width after the change, in SI units.
+        design: the best setting with it, checked; other limits, ranges and tolerances hold.
+        better: True if the setting keeps the limits and has a better score than without.
+    """
+
+    proposal: Proposal
     value: float
     design: Design
     better: bool
 
 
-def relaxed(trials: Trials, design: Design, known: Known) -> list[Change]:
-    """Return for each limit the least value with which a setting of the search keeps all others.
+def proposed(design: Design, tolerances: Iterable[str]) -> list[Proposal]:
+    """Return the changes that may help, the most promising first.
 
-    A limit without such a setting is left out, and all are if the design is feasible.
+    If no setting keeps the limits, each limit is relaxed, that first which needs least by the
+    settings of the search; else those that bind are widened. Ends of ranges are widened that bind,
+    and all if no device goes in. Tolerances are halved if some devices, but not all, go in; that
+    comes first if no limit is passed.
     """
-    changes = []
-    for name in {} if design.feasible else design.limits:
-
-        def least(tried: Tried, name: str = name) -> Floats:
-            return tried.measures[name]
-
-        others = {each: limit for each, limit in design.limits.items() if each != name}
-        rank = None if name == "vibration" else least  # which is left out, not relaxed
-        found = checked(_with(trials, limits=others), known, rank, _CHECKS)
-        if found.feasible:
-            value = float(found.tried.measures[name][found.best])
-            changes.append(Change("limit", name, value, found, better=True))
-    return changes
-
-
-def widened(trials: Trials, design: Design, known: Known) -> list[Change]:
-    """Return the design with each limit or end of a range widened that binds.
-
-    All ends of ranges are, if no device goes in at the recommended setting.
-    """
-    limits = design.near_limits if design.feasible else []
-    changes = [_beyond_limit(trials, design, known, name) for name in limits]
+    share, free, limits = design.tried.share[design.best], design.free, design.limits
     ends: Sequence[tuple[str, str]] = design.near_ends
-    if not design.tried.share[design.best] > 0.0:
-        ends = [(name, side) for name in design.free for side in ("lower", "upper")]
-    for name, side in ends:
-        changes += _beyond_end(trials, design, known, name, side)
-    return changes
+    if not share > 0.0:
+        ends = [(name, side) for name in free for side in ("lower", "upper")]
+    wider = [Proposal("limit", name) for name in (design.near_limits if design.feasible else [])]
+    wider += [Proposal(f"{side} end", name) for name, side in ends]
+    relax = [] if design.feasible else sorted(limits, key=lambda name: _needed(design, name))
+    relaxed = [Proposal("relax", name) for name in relax]
+    halved = [Proposal("tolerance", name) for name in tolerances if 0.0 < share < 1.0]
+    passed = design.tried.excess(limits)[design.best] > 0.0
+    return [*relaxed, *wider, *halved] if passed else [*halved, *relaxed, *wider]
 
 
-def halved(trials: Trials, design: Design) -> dict[str, Design]:
-    """Return by tolerance the design of the recommended setting with half of that tolerance.
+def attempted(trials: Trials, design: Design, known: Known, proposal: Proposal) -> Change | None:
+    """Return a change with the design that it gives, None if the device cannot have it.
 
-    Only where it then keeps the limits; empty unless some, and not all, devices go in as it is.
+    Raises:
+        SpentError: it takes more runs than are left to the trials.
     """
-    if not 0.0 < design.tried.share[design.best] < 1.0:
-        return {}
+    kind, name = proposal
+    if kind == "relax":
+        return _relaxed(trials, design, known, proposal)
+    if kind == "tolerance":
+        return _halved(trials, design, proposal)
+    if kind == "limit":
+        value = (1.0 + STEP) * design.limits[name]
+        wide = _with(trials, limits={**design.limits, name: value})
+        return _change(proposal, value, wide, design, known)
+    return _beyond_end(trials, design, known, proposal)
+
+
+def _needed(design: Design, name: str) -> float:
+    """Return the least share of a limit by which a setting of the search keeps all others."""
+    others = {each: limit for each, limit in design.limits.items() if each != name}
+    keeps = design.tried.keeps(others)
+    if not keeps.any():
+        return np.inf
+    if name == "vibration":  # which is left out, not relaxed
+        return 1.0
+    return float(design.tried.measures[name][keeps].min() / design.limits[name])
+
+
+def _relaxed(trials: Trials, design: Design, known: Known, proposal: Proposal) -> Change:
+    """Return the least value of a limit with which a setting of the search keeps all others."""
+    name = proposal.name
+
+    def least(tried: Tried) -> Floats:
+        return tried.measures[name]
+
+    others = {each: limit for each, limit in design.limits.items() if each != name}
+    rank = None if name == "vibration" else least  # which is left out, not relaxed
+    found = checked(_with(trials, limits=others), known, rank, _CHECKS)
+    value = float(found.tried.measures[name][found.best])
+    return Change(proposal, value, found, found.feasible)
+
+
+def _halved(trials: Trials, design: Design, proposal: Proposal) -> Change:
+    """Return the design of the recommended setting with half of a tolerance."""
     place, stated = tuple(design.setting.values()), trials.stated
     measures = [float(values[design.best]) for values in design.tried.measures.values()]
     known: Known = {place: (1.0, 0.0, *measures)}
-    found = {}
-    for name, each in stated.tolerances.items():
-        narrow = {**stated.tolerances, name: replace(each, width=_HALVED * each.width)}
-        some = replace(trials, stated=replace(stated, tolerances=narrow))
-        found[name] = checked(some, known, most=1)
-    return {name: each for name, each in found.items() if each.feasible}
+    whole = stated.tolerances[proposal.name]
+    half = replace(whole, width=_HALVED * whole.width)
+    narrow = {**stated.tolerances, proposal.name: half}
+    found = checked(replace(trials, stated=replace(stated, tolerances=narrow)), known, most=1)
+    return Change(proposal, half.width, found, found.feasible)
 
 
 def _with(
@@ -106,24 +141,17 @@ def _with(
 
 
 def _change(
-    kind: str, name: str, value: float, trials: Trials, design: Design, known: Known
+    proposal: Proposal, value: float, trials: Trials, design: Design, known: Known
 ) -> Change:
     """Return a change with the design that holds for these trials."""
     found = checked(trials, known, most=_CHECKS)
     now, before = (float(each.tried.score(found.limits)[each.best]) for each in (found, design))
-    return Change(kind, name, value, found, better=found.feasible and now < before)
+    return Change(proposal, value, found, better=found.feasible and now < before)
 
 
-def _beyond_limit(trials: Trials, design: Design, known: Known, name: str) -> Change:
-    value = (1.0 + STEP) * design.limits[name]
-    wide = _with(trials, limits={**design.limits, name: value})
-    return _change("limit", name, value, wide, design, known)
-
-
-def _beyond_end(
-    trials: Trials, design: Design, known: Known, name: str, side: str
-) -> Iterator[Change]:
-    """Yield the change of an end of a range, if the device may have such values."""
+def _beyond_end(trials: Trials, design: Design, known: Known, proposal: Proposal) -> Change | None:
+    """Return the change of an end of a range, None if the device may not have such values."""
+    side, name = proposal.kind.removesuffix(" end"), proposal.name
     low, high = design.free[name]
     far = high + STEP * (high - low)
     if side == "lower":
@@ -143,8 +171,8 @@ def _beyond_end(
                 continue
             points.append(rounded(list(point.values()), ends))
     if not points:
-        return
+        return None
     wide, points = _with(trials, free=ends), list(dict.fromkeys(points))
     rows = dict(zip(points, wide.quick(np.array(points)), strict=True))
     value = float(f"{far:.4g}")
-    yield _change(f"{side} end", name, value, wide, design, {**known, **rows})
+    return _change(proposal, value, wide, design, {**known, **rows})

@@ -41,6 +41,35 @@ STAGE = 64  # devices after which a check first looks whether a setting holds
 MEASURES = ("time", "contact_force", "tilt", "vibration")
 
 Ints = NDArray[np.int64]
+
+
+class SpentError(Exception):
+    """No further runs may be taken."""
+
+
+@dataclass
+class Runs:
+    """Count of the runs that trials take.
+
+    Attributes:
+        most: number of runs that may be taken.
+        taken: number of runs so far.
+    """
+
+    most: float = math.inf
+    taken: int = 0
+
+    def take(self, number: int) -> None:
+        """Count runs before they begin.
+
+        Raises:
+            SpentError: there would be more than ``most``; they are not counted.
+        """
+        if self.taken + number > self.most:
+            raise SpentError
+        self.taken += number
+
+
 Row = tuple[float, ...]
 """Results of a setting: share, margin, and ``MEASURES``."""
 
@@ -73,6 +102,7 @@ class Trials:
         cores: number of threads.
         seed: seed of the devices of the quick trial.
         devices: number of devices of a check, a power of two.
+        runs: count of the runs that are taken.
     """
 
     stated: StatedDevice
@@ -81,6 +111,7 @@ class Trials:
     cores: int = 1
     seed: int = 0
     devices: int = DEVICES
+    runs: Runs = field(default_factory=Runs, compare=False)
 
     def quick(self, points: Floats) -> list[Row]:
         """Return the results of settings, ``points`` in SI units of shape (n, free quantities)."""
@@ -110,13 +141,14 @@ class Trials:
         values |= drawn(stated, self.devices)
         _keep_on_edge(stated, values)
         itself = {name: np.array([stated.quantities[name]]) for name in values}
+        self.runs.take(len(self.starts))
         if not are_reliable(stated, itself, self.starts, self.settings, self.cores)[0]:
             return Check((0.0, 0.0, *[math.nan] * len(MEASURES)), 0, 0)
         parts, done, holds = list[DeviceResults](), 0, True
         while holds and done < self.devices:
             last = min(max(STAGE, 4 * done), self.devices)
             some = {name: column[done:last] for name, column in values.items()}
-            parts.append(run_devices(stated, some, self.starts, self._statistical, self.cores))
+            parts.append(self._run_from(stated, some, self.starts))
             holds, done = not stop or bool(self._is_good(parts[-1]).all()), last
         whole = _joined(parts)
         if not whole.inside.all():  # what starts inside the hole is not counted
@@ -156,9 +188,13 @@ class Trials:
             if own.size:
                 some = {name: column[own] for name, column in values.items()}
                 starts = self.starts[quarter::quarters]
-                parts.append(run_devices(self.stated, some, starts, self._statistical, self.cores))
+                parts.append(self._run_from(self.stated, some, starts))
                 rows.append(own)
         return _joined(parts, np.argsort(np.concatenate(rows)))
+
+    def _run_from(self, stated: StatedDevice, values: Values, starts: Starts) -> DeviceResults:
+        self.runs.take(len(next(iter(values.values()))) * len(starts))
+        return run_devices(stated, values, starts, self._statistical, self.cores)
 
     def _needs_vibration(self, values: Values, shape: tuple[int, int]) -> Floats:
         """Return the shares of devices, shape (settings, devices), not in without vibration.
@@ -167,6 +203,7 @@ class Trials:
         """
         if "vibration" not in self.stated.limits:
             return np.full(shape[0], np.nan)
+        self.runs.take(shape[0] * shape[1])
         needs = need_vibration(self.stated, values, self._statistical, self.cores)
         shares: Floats = needs.reshape(shape).mean(axis=1)
         return shares
