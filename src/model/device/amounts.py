@@ -80,7 +80,8 @@ def read_amount(name: str, given: object, unit: str, frequency: float | None = N
 def _read_amount(name: str, given: object, unit: str) -> Amount:
     if given is None:
         raise ValueError(f"{name} is not filled in: {_rule(unit)}")
-    if name == "clearance" and (start := _AMOUNT.match(plain(str(given)))) and float(start[1]) <= 0:
+    stated = _AMOUNT.fullmatch(plain(str(given))) if name == "clearance" else None
+    if stated and float(stated[1]) <= 0.0 and not stated[2].startswith(","):  # 0,1 is refused below
         raise ValueError(
             f"{name} = {given!r}: no play or an interference (a transition fit) is not modelled: "
             "the hole must be wider than the part. State the smallest clearance > 0 of the pairs "
