@@ -54,9 +54,10 @@ def _claims(arguments: argparse.Namespace) -> int:
     tables = Tables.of({path.stem: read_dataset(path) for path in files})
     if arguments.regime:
         return _regime(tables, arguments.json)
-    lines, null = lines_of(judge(tables)), data / "null.nc"
-    if null.is_file():
-        lines = weighed(lines, read_dataset(null))
+    lines, null = lines_of(judge(tables)), None
+    if (drawn := data / "null.nc").is_file():
+        null = read_dataset(drawn)
+        lines = weighed(lines, null)
     if arguments.json:
         print_json([asdict(line) for line in lines])
         return 0
@@ -75,8 +76,8 @@ def _claims(arguments: argparse.Namespace) -> int:
     columns = ("claim", "verdict", "number", "must be", "margin", "random", "statement")
     print("\n".join(table(rows, columns)))
     print(tally([line.verdict for line in lines]))
-    if null.is_file():
-        print(summary(lines, read_dataset(null)))
+    if null is not None:
+        print(summary(lines, null))
     return 0
 
 

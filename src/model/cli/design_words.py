@@ -4,9 +4,10 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from model.cli.assess import headline
+from model.cli.limits import MEASURES
 from model.cli.tables import in_columns
 from model.device.stated import VIBRATION
-from model.physics.quantities import ANGLE, FORCE, TIME
+from model.physics.quantities import TIME
 from model.show.forces import forces_words
 from model.show.si import named_words, quantity_of, si_words
 
@@ -17,12 +18,11 @@ if TYPE_CHECKING:
     from model.device.design_trials import Trials
     from model.runs.settings import Settings
 
-_MEASURES = {"time": TIME, "contact_force": FORCE, "tilt": ANGLE}
 _line = "{:<23}{}".format
 
 
 class Answer(NamedTuple):
-    """What is printed first: the design, its trials and what assess says."""
+    """Answer that is printed first: the design, its trials and what assess says."""
 
     design: "Design"
     trials: "Trials"
@@ -97,7 +97,7 @@ def _faults(design: "Design") -> list[str]:
             words.append(f"the vibration is not always {_asked(design.limits[name])}")
             continue
         values = tried.measures[name][best], design.limits[name]
-        value, limit = (si_words(float(each), _MEASURES[name]) for each in values)
+        value, limit = (si_words(float(each), MEASURES[name]) for each in values)
         words.append(f"largest {name} {value}, over the limit of {limit}")
     return words
 
@@ -118,7 +118,7 @@ def _largest(design: "Design", settings: "Settings") -> list[str]:
     """Return lines on the largest time, force and tilt of the recommended setting."""
     lines = []
     all_go_in = design.tried.share[design.best] >= 1.0
-    for name, quantity in _MEASURES.items():
+    for name, quantity in MEASURES.items():
         limit = design.limits.get(name)
         most = "" if limit is None else f" (limit {si_words(limit, quantity)})"
         if name == "time":  # what does not go in has none
@@ -153,11 +153,11 @@ def change_line(design: "Design", change: "Change") -> str:
         if name == "vibration":
             words = f"vibration: leave out that it is {_asked(design.limits[name])}"
         else:
-            quantity, limit = _MEASURES[name], design.limits[name]
+            quantity, limit = MEASURES[name], design.limits[name]
             ends = f"{si_words(limit, quantity)} to {si_words(change.value, quantity)}"
             words = f"{name} from {ends} ({100.0 * (change.value / limit - 1.0):+.2g} %)"
         return _line("what to relax", f"{words}: {gives}")
-    quantity = _MEASURES[name] if kind == "limit" else quantity_of(name)
+    quantity = MEASURES[name] if kind == "limit" else quantity_of(name)
     words = f"{_WIDER[kind].format(name)} {si_words(change.value, quantity)}: "
     return _line("what to widen", words + (gives if change.better else "no better (tried)"))
 
@@ -198,7 +198,7 @@ def _gives(design: "Design") -> str:
     margin = tried.margin[best]
     words = f"margin {margin:.2g}" if margin < 3.0 else "margin 3 or more"
     parts = [f"{words} tolerances"]
-    for name, quantity in _MEASURES.items():
+    for name, quantity in MEASURES.items():
         parts.append(f"{name} {si_words(float(tried.measures[name][best]), quantity)}")
     return f"{', '.join(parts)} with {named_words(design.setting)} (tried)"
 

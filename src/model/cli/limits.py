@@ -10,7 +10,7 @@ from model.show.si import si_words
 if TYPE_CHECKING:
     from model.device.limits import LimitResult
 
-_QUANTITIES = {"time": TIME, "contact_force": FORCE, "tilt": ANGLE}
+MEASURES = {"time": TIME, "contact_force": FORCE, "tilt": ANGLE}
 
 
 def limit_lines(results: "Sequence[LimitResult]") -> list[str]:
@@ -43,11 +43,11 @@ def _against(result: "LimitResult") -> str:
 def _limit(result: "LimitResult") -> str:
     if result.name == "vibration":
         return "needed" if result.limit else "not needed"
-    return si_words(result.limit, _QUANTITIES[result.name])
+    return si_words(result.limit, MEASURES[result.name])
 
 
 def _value(result: "LimitResult", value: float) -> str:
     if result.name == "vibration":
         share = f"needed by {100.0 * value:.3g} %"
         return {0.0: "not needed", 1.0: "needed"}.get(value, share)
-    return si_words(value, _QUANTITIES[result.name])
+    return si_words(value, MEASURES[result.name])

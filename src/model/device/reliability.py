@@ -77,7 +77,7 @@ class DeviceResults(Value):
 
     @property
     def measures(self) -> dict[str, Floats]:
-        """What a limit of this name bounds, each of shape (n,)."""
+        """Measure that a limit of each name bounds, shape (n,)."""
         return {"time": self.time, "contact_force": self.force, "tilt": self.tilt}
 
     @property

@@ -184,7 +184,6 @@ def _model(
         + (f" Assumed as the page opens: {said}." if said else ""),
         "origin": _NO_ORIGIN,
         "name": "",
-        "shape": settings.shape or "square",
         "units": units is not None,
         "interface": interface,
         "control": dict(

@@ -93,7 +93,7 @@ function deviceOf(state, model) {
   const lines = ["# Saved from the explorer; for vibralign simulate, assess and map --device."];
   const values = model.units ? state.values : { mass: 1, axial_stiffness: 1, amplitude: 1, ...state.values };
   if (!model.units) lines.push("# The device has no units: mass, axial stiffness and amplitude are 1, so that its other numbers are dimensionless,", "# except the frequency, which is in Hz.");
-  lines.push(`shape: ${model.shape}`);
+  lines.push(`shape: ${model.interface.shape}`);
   const quantities = byName(model.parameters);
   for (const [name, value] of Object.entries(values)) {
     if (Number.isNaN(value)) continue;
