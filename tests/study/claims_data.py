@@ -30,9 +30,10 @@ AXES: Mapping[str, tuple[str, Sequence[float] | np.ndarray, str, float, float]] 
     "pressed": ("tilt_stiffness", [7.0, 12.0, 20.0], "press_force", 0.5, 5.0),
     "misaligned": ("press_force", [1.0, 2.0], "misalignment", 0.2, 1.0),
     "displaced": ("frequency", [0.5, 1.0, 5.0, 10.0], "tilt_stiffness", 1.0, 30.0),
+    "rocking": ("press_force", [1.0], "tilt_stiffness", 15.0, 30.0),
     "rubbing": ("press_force", [1.0, 3.0], "friction", 0.0, 1.0),
     "by_frequency": ("frequency", [0.5, 10.0], "press_force", 0.25, 10.0),
-    "coarse_13": ("press_force", [5.0, 15.0], "tilt_stiffness", 1.0, 30.0),
+    "coarse_13": ("press_force", [8.0, 10.0, 15.0], "tilt_stiffness", 1.0, 30.0),
     "fig13": ("press_force", np.linspace(0.25, 10.0, CELLS), "tilt_stiffness", 1.0, 30.0),
     "fig14": ("frequency", np.linspace(0.2, 15.0, CELLS), "tilt_stiffness", 1.0, 30.0),
 }
@@ -54,7 +55,9 @@ def _filled(tau: np.ndarray) -> dict[str, np.ndarray]:
         "insertion": np.where(aligned, IN_SLOT.INSERTED, IN_SLOT.NOT_ALIGNED).astype(np.int8),
         "tilt_end": np.full(tau.shape, 0.05),
         "way": np.where(aligned, 1.0, 0.0),
+        "unvibrated_way": np.zeros(tau.shape),
         "excursion": np.full(tau.shape, 0.5),
+        "tilt_min": np.full(tau.shape, 0.04),
         "side_force_max": np.zeros(tau.shape),
     }
 

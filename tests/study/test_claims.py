@@ -16,6 +16,7 @@ from model.study.claims.ledger import judge_claim, ledger_text, lines_of, read_l
 from model.study.claims.statistics import explained, trend
 from model.study.config import FIGURES, load_study, study_path
 from model.study.plans import sweep_of
+from model.sweeps.axes import Family
 from model.sweeps.sweep import TRACK_QUANTITIES, merge, run
 from tests.study.claims_cases import CASES
 from tests.study.claims_data import (
@@ -327,3 +328,15 @@ def test_own_runs_say_how_far_the_part_came(own_runs: dict[str, xr.Dataset]) -> 
     assert (misaligned["way"].values[~aligned] < 1.0).all()
     assert (misaligned["side_force_max"].values >= 0.0).all()
     assert np.isfinite(misaligned["tilt_end"].values).all()
+    assert (misaligned["tilt_min"] <= misaligned["tilt_max"]).all()
+
+
+def test_what_the_press_alone_moves_is_the_way_of_the_run_without_vibration() -> None:
+    sweep = sweep_of(load_study(study_path()), "displaced")
+    few = {"frequency": [0.0, 5.0], "tilt_stiffness": [2.0, 20.0]}
+    dimensions = [Family(parameter=name, values=values) for name, values in few.items()]
+    found = run(sweep.model_copy(update={"dimensions": dimensions}))
+    way, alone = (found[name].values.reshape(2, 2) for name in ("way", "unvibrated_way"))
+    assert np.array_equal(alone[0], way[0])
+    assert np.array_equal(alone[1], way[0])
+    assert not np.isclose(way[1], way[0]).any()

@@ -38,6 +38,12 @@ class UnvibratedEnds(NamedTuple):
     tilt: Array
 
 
+def unvibrated_sets(batch: Batch) -> Batch:
+    """Return the sets of ``batch`` without excitation."""
+    still = np.zeros(len(batch))
+    return Batch({**batch.values, "frequency": still, "phase": still})
+
+
 def unvibrated(
     batch: Batch, settings: Settings, cores: int = 1, engine: Engine | None = None
 ) -> UnvibratedEnds:
@@ -46,9 +52,8 @@ def unvibrated(
     Sets that differ only in their excitation are run once. ``settings`` are those of the vibrated
     runs; within their horizon the part must come to rest. ``engine`` as in ``engine_for``.
     """
-    still = np.zeros(len(batch))
-    controls = Batch({**batch.values, "frequency": still, "phase": still})
-    rows, which = np.unique(controls.constants(settings.readings), axis=0, return_inverse=True)
+    controls = unvibrated_sets(batch).constants(settings.readings)
+    rows, which = np.unique(controls, axis=0, return_inverse=True)
     settings = replace(
         settings, start="simultaneous", insertion_depth=None, alignment_only=True
     )  # fmt: skip

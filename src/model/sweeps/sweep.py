@@ -23,7 +23,7 @@ from model.runs.align import align, run_once
 from model.runs.insertion_outcome import insertion_outcomes
 from model.runs.settings import Settings
 from model.runs.simulate import Trajectory, simulate, simulate_once
-from model.runs.unvibrated import unvibrated_results
+from model.runs.unvibrated import unvibrated_results, unvibrated_sets
 from model.sweeps.axes import Axis, Family, Plan, points_of_chunk
 from model.sweeps.io import (
     HISTORY_VARIABLES,
@@ -55,9 +55,19 @@ TRACK_QUANTITIES: Mapping[str, dict[str, Any]] = {
         "long_name": "share of the way to the slot that the edge has slid along the bottom face at "
         "the end, mean over the last excitation period",
     },
+    "unvibrated_way": {
+        "units": "1",
+        "long_name": "share of the way to the slot that the press alone moves the edge, as above",
+    },
     "excursion": {
         "units": "1",
         "long_name": "largest distance of x from its start until alignment",
+    },
+    "tilt_min": {
+        "units": "radian",
+        "long_name": "least tilt until alignment, from where it first reaches its rest without "
+        "vibration; NaN without a rest, or where it does not reach it",
+        "symbol": "φ",
     },
     "side_force_max": {
         "units": "1",
@@ -259,13 +269,28 @@ def _computed(
     if wanted & {*IN_SLOT}:
         found["insertion"] = insertion_outcomes(batch, found["outcome"], settings, cores)
     if wanted & {*TRACK_QUANTITIES}:
-        rows = [_of_track(track) for track in tracks]
-        found |= {name: np.array([row[name] for row in rows]) for name in TRACK_QUANTITIES}
+        rests = found.get("unvibrated_tilt", np.full(len(batch), np.nan))
+        rows = [_of_track(*each) for each in zip(tracks, rests, strict=True)]
+        found |= {name: np.array([row[name] for row in rows]) for name in rows[0]}
+    if "unvibrated_way" in wanted:
+        found["unvibrated_way"] = _ways(unvibrated_sets(batch), settings)
     return found, courses
 
 
-def _of_track(track: Trajectory) -> dict[str, float]:
-    """Return ``TRACK_QUANTITIES`` of a trajectory."""
+def _ways(batch: Batch, settings: Settings) -> NDArray[np.float64]:
+    """Return ``way`` of the runs of ``batch``, shape (n,); equal sets are run once."""
+    _, first, which = np.unique(
+        batch.constants(settings.readings), axis=0, return_index=True, return_inverse=True
+    )
+    ways = [_of_track(simulate_once(batch[row], settings), np.nan)["way"] for row in first]
+    return np.array(ways)[which.reshape(-1)]
+
+
+def _of_track(track: Trajectory, rest: float) -> dict[str, float]:
+    """Return ``TRACK_QUANTITIES`` of a trajectory, but for that of the unvibrated run.
+
+    ``rest`` is the tilt in which that run rests, NaN without one.
+    """
     aligned = track.outcome == Outcome.ALIGNED
     until = track.time <= (track.tau_align if aligned else np.inf)
     time, state = track.time[until], track.state[until]
@@ -276,10 +301,12 @@ def _of_track(track: Trajectory) -> dict[str, float]:
     slid = (arm - arm[0]) / (device.half_width - arm[0])
     period = 2.0 * np.pi / device.frequency if device.frequency > 0.0 else _STATIC
     last = time >= time[-1] - period
+    later = np.logical_or.accumulate(tilt >= rest)
     return {
         "tilt_end": _mean(time[last], tilt[last]),
         "way": 1.0 if aligned else _mean(time[last], slid[last]),
         "excursion": float(np.abs(x - x[0]).max()),
+        "tilt_min": float(tilt[later].min()) if later.any() else np.nan,
         "side_force_max": float(track.side_force[until].max()),
     }
 

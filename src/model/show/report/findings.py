@@ -14,10 +14,10 @@ from model.show import jamming as jamming_plot
 from model.show.report.section import Results, Section, Table, settings_of
 from model.show.words import figure_title, percent, short
 from model.study.claims import VERDICTS, Tables, tally
-from model.study.claims.ledger import Line, read_ledger
+from model.study.claims.ledger import read_ledger
 from model.study.claims.regime import regime_of
 from model.study.config.figures import COMPUTED
-from model.study.evidence.worth import is_shown_by_nearly_any, shown_by, summary
+from model.study.evidence.worth import is_shown_by_nearly_any, shown_by, shown_by_own, summary
 from model.study.identification.hold_out import measured
 from model.study.jamming import entered, in_jamming_diagram, jammed, wedging_side
 from model.sweeps.vibration import overshoot_of
@@ -79,7 +79,7 @@ def claims(results: Results) -> Section:
     titles = {name: run.title for name, run in results.study.claims_runs.items()}
     letters = dict(zip(titles, ascii_lowercase, strict=False))
     lines = read_ledger(results.file("claims.csv"))
-    null = results.dataset("data/null.nc")
+    null, assumptions = (results.dataset(f"data/{name}.nc") for name in ("null", "assumptions"))
 
     def source(name: str) -> tuple[str, str]:
         own = name in letters
@@ -88,9 +88,9 @@ def claims(results: Results) -> Section:
     content = {
         "tally": tally([line.verdict for line in lines]),
         "worth": summary(lines, null),
-        "draws": _draws(lines, null),
+        "draws": _draws(null, assumptions),
         "null_horizon": short(results.study.evidence.grid.horizon),
-        "assumptions": _assumptions(results.dataset("data/assumptions.nc")),
+        "assumptions": _assumptions(assumptions),
         "nearly_any": is_shown_by_nearly_any,
         "hold_out": _hold_out(),
         "lines": lines,
@@ -108,16 +108,17 @@ def claims(results: Results) -> Section:
     return Section("claims", "What the paper says, judged", template, content)
 
 
-def _draws(lines: Sequence[Line], null: xr.Dataset) -> Table:
-    """List how many claims the draws of each kind show, and how many show as many as the study."""
-    own = sum(line.verdict == "reproduced" for line in lines)
+def _draws(null: xr.Dataset, assumptions: xr.Dataset) -> Table:
+    """List how many claims the study's device and the draws of each kind show on one grid."""
+    device = shown_by_own(null, assumptions)
+    own = device.numbers[0]
     rows = [
         (title, each.size, each.min(), f"{np.median(each):g}", each.max(), (each >= own).sum(),
          f"{np.median(bits):.0f}", f"{bits.max():.0f}")
-        for title, each, bits in shown_by(null)
+        for title, each, bits in (device, *shown_by(null))
     ]  # fmt: skip
-    heads = (">draws", ">claims: least", ">median", ">most", ">as many as here", ">bits: median")
-    return Table(("", *heads, ">most"), rows)
+    claims = ">draws", ">claims: least", ">median", ">most", ">as many as the device"
+    return Table(("", *claims, ">bits: median", ">most"), rows)
 
 
 def _assumptions(dataset: xr.Dataset) -> Table:

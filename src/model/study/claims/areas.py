@@ -135,14 +135,14 @@ def _last(of: Flags, over: Array) -> float:
 def shift_of_peak(of: Flags, over: Array, by: Array) -> float:
     """Return by how much the end of the last flagged run differs between rows, over the axis.
 
-    The 90 % less the 10 % quantile. A run has at least two cells, and a twentieth of a row: single
+    The 95 % less the 5 % quantile. A run has at least two cells, and a twentieth of a row: single
     cells decide nothing.
     """
     ends = np.array([_last(*line) for line in lines(by, of, over)])
     ends = ends[np.isfinite(ends)]
     if ends.size < 2:
         return NAN
-    return (quantile(ends, 0.9) - quantile(ends, 0.1)) / float(np.ptp(over))
+    return (quantile(ends, 0.95) - quantile(ends, 0.05)) / float(np.ptp(over))
 
 
 def share_with_peak(of: Flags, over: Array, by: Array) -> float:

@@ -22,6 +22,7 @@ from model.study.claims import areas
 from model.study.claims.data import MissingDataError
 from model.study.claims.statistics import (
     NAN,
+    RESOLUTION,
     Array,
     Flags,
     asymmetry,
@@ -60,11 +61,24 @@ def usual_beyond(of: Array, here: Flags, there: Flags) -> float:
 
 
 def steeper_here(of: Array, over: Array, here: Flags, there: Flags) -> float:
-    """Return the ``asymmetry`` of the slopes here and there."""
-    return asymmetry(slope(of[here], over[here]), slope(of[there], over[there]))
+    """Return the ``asymmetry`` of the slopes here and there, -1 if the curve falls in either."""
+    return _steeper((of[here], over[here]), (of[there], over[there]))
 
 
-def _halves(of: Array, over: Array) -> tuple[tuple[Array, Array], ...]:
+def _steeper(*pieces: tuple[Array, Array]) -> float:
+    """Return the ``asymmetry`` of the slopes of two pieces of a curve, -1 if either falls.
+
+    A fall within the resolution counts as level.
+    """
+    rises = [slope(*piece) for piece in pieces]
+    falls = [
+        x.size > 1 and rise * np.ptp(x) < -RESOLUTION * median(y)
+        for rise, (y, x) in zip(rises, pieces, strict=True)
+    ]
+    return -1.0 if any(falls) else asymmetry(*rises)
+
+
+def _halves(of: Array, over: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
     """Return the known points in the lower and upper half of their range; the middle is in both."""
     x, y = over[np.isfinite(of)], of[np.isfinite(of)]
     middle = 0.5 * (x[0] + x[-1]) if x.size else NAN
@@ -72,14 +86,15 @@ def _halves(of: Array, over: Array) -> tuple[tuple[Array, Array], ...]:
 
 
 def steeper_fall_at_first(of: Array, over: Array) -> float:
-    """Return the ``asymmetry`` of the falls in the first and second half."""
-    first, second = _halves(of, over)
-    return asymmetry(-slope(*first), -slope(*second))
+    """Return the ``asymmetry`` of the falls in the first and second half, -1 if either rises."""
+    first, second = _halves(of, -over)  # falls along the axis are rises against it
+    return _steeper(second, first)
 
 
 def bend(of: Array, over: Array) -> float:
     """Return the absolute ``asymmetry`` of the slopes in the first and second half."""
-    return abs(steeper_fall_at_first(of, over))
+    first, second = _halves(of, over)
+    return abs(asymmetry(slope(*first), slope(*second)))
 
 
 def longer_at_first(of: Array, over: Array) -> float:

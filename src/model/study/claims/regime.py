@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from model.events.outcomes import Unvibrated
+from model.study.claims.areas import least_share
 from model.study.claims.claims import CLAIMS
 from model.study.claims.data import Tables
 from model.study.claims.statistics import NAN, median, share
@@ -21,7 +22,7 @@ class Regime(NamedTuple):
     All but ``aligned`` are taken over the points that align, NaN without any.
 
     Attributes:
-        aligned: share of the points that align, for the curve where it is least (claim M9).
+        aligned: share of the points that align, for the curve where it is least.
         static: share whose unvibrated control aligns as well.
         not_resting: share whose unvibrated control does not rest on A1 (M4b).
         tilt: median magnitude of the tilt at alignment in radians.
@@ -60,7 +61,7 @@ def regime_of(tables: Tables, figure: str) -> Regime:
     )  # fmt: skip
     tilts = np.abs(tilt[aligned])
     return Regime(
-        aligned=number("M9"),
+        aligned=least_share(aligned, tables.values(figure, "curve")),
         static=share(unvibrated[aligned] == Unvibrated.ALIGNS),
         not_resting=1.0 - number("M4b"),
         tilt=median(tilts),

@@ -27,11 +27,22 @@ class Shown(NamedTuple):
 
 def shown_by(null: "xr.Dataset") -> list[Shown]:
     """Return how many claims the draws of each kind reproduce, in the order of the kinds."""
-    shown, of_draw = null["verdict"].values == REPRODUCED, null["kind_of_draw"].values
-    draws = int(np.count_nonzero(of_draw == 0))
+    of_draw, titles = null["kind_of_draw"].values, null["title"].values
+    verdicts = [null["verdict"].values[of_draw == place] for place in range(len(titles))]
+    return [_shown(str(title), of, null) for title, of in zip(titles, verdicts, strict=True)]
+
+
+def shown_by_own(null: "xr.Dataset", assumptions: "xr.Dataset") -> Shown:
+    """Return the same of the study's device, on the grid of the draws."""
+    own = assumptions["verdict"].values[:1]
+    return _shown("the study's device, on the same grid", own, null)
+
+
+def _shown(title: str, verdicts: NDArray[np.int8], null: "xr.Dataset") -> Shown:
+    draws = int(np.count_nonzero(null["kind_of_draw"].values == 0))
     worth = np.array([bits(share, draws) for share in null["share"].values[0].tolist()])
-    kinds = [(str(t), shown[of_draw == place]) for place, t in enumerate(null["title"].values)]
-    return [Shown(title, own.sum(axis=1), own @ worth) for title, own in kinds]
+    shown = verdicts == REPRODUCED
+    return Shown(title, shown.sum(axis=1), shown @ worth)
 
 
 def bits(share: float, draws: int) -> float:

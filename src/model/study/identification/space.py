@@ -33,10 +33,11 @@ DEVICE = (  # the parameters that ``structure_of`` returns
 TYPICAL_TILT_STIFFNESS = 10.0  # at which the tilt's damping ratio is taken; the paper varies k_φ
 MOST_INERTIA = 4.0  # of Fig. 10's axis, over the inertia of the bare part
 ON_FACE = 0.95  # of the misalignment at which the edge A1 leaves the bottom face
-TRACKED = ("centred", "pressed", "misaligned", "displaced")  # whose claims read trajectories
+TRACKED = ("centred", "pressed", "misaligned", "displaced", "rocking")  # read as trajectories
 REST_HORIZON, REST_TOLERANCE = 300.0, 1e-8  # what is not vibrated must be seen to come to rest
 _SCORED = (
     *(name for name, result in RESULTS.items() if result.stored and not result.estimated),
+    *UNVIBRATED_CONTROL,
     "insertion",
 )
 
@@ -139,7 +140,7 @@ class Space(Plan):
             parameters=parameters,
             settings=self.settings.model_copy(update=limits),
             dimensions=dimensions,
-            variables=(*_SCORED, *(TRACK_QUANTITIES if name in TRACKED else UNVIBRATED_CONTROL)),
+            variables=(*_SCORED, *(TRACK_QUANTITIES if name in TRACKED else ())),
         )
 
 
