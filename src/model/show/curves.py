@@ -38,6 +38,7 @@ _CLAIMED: Mapping[str, tuple[str, str]] = {
     "centred": ("excursion", "largest displacement in $x$"),
     "pressed": ("tilt_end", "tilt at the end (rad)"),
     "displaced": ("way", "share of the distance to the slot"),
+    "rocking": ("tilt_min", "least tilt on the way (rad)"),
 }
 _LOWEST = -1.5  # end of an axis: a part that turns over moves far away from the slot
 
