@@ -45,6 +45,7 @@ COMPILES = os.environ.get("VIBRALIGN_NO_COMPILATION", "0") in ("", "0")
 _FORMATS = {DOUBLE: "d", INTEGER: "q", BOOLEAN: "q", POINTER: "Q"}
 _BOOL, _INT, _FLOAT = Number(BOOLEAN), Number(INTEGER), Number(DOUBLE)
 _COMPILING = threading.RLock()
+_PARTS: dict[bool, dict[Key, Module]] = {True: {}, False: {}}  # translated ones, by ``contract``
 
 
 class Compiled:
@@ -194,7 +195,7 @@ def _native(key: Key, contract: bool) -> _Native:
     stored = None if name is None else _all_stored(name)
     if stored is None:
         try:
-            module = Module(key, {}, is_entry=True, contract=contract)
+            module = Module(key, _PARTS[contract], is_entry=True, contract=contract)
         except KernelError as error:
             raise error.with_traceback(None) from None  # the compiler's own calls tell nothing
         except RecursionError:

@@ -160,7 +160,12 @@ def element_kind(array: NDArray[Any]) -> str:
 
 
 def element_strides(array: NDArray[Any]) -> tuple[int, ...]:
-    """Return the strides of an array of numpy, in numbers."""
+    """Return the strides of an array of numpy, in numbers; as if it had an element.
+
+    An empty array has other strides in numpy, for which kernels would be compiled once more.
+    """
+    if array.size == 0:
+        array = np.empty([max(each, 1) for each in array.shape])
     return tuple([each // array.itemsize for each in array.strides])
 
 

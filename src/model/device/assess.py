@@ -213,15 +213,17 @@ def assess(
     if isinstance(device, StatedDevice):
         settings = device.run_settings(settings, units[0])
     goes_in, tau, hops = results["goes_in"], results["tau_align"], results["separations"]
+    slowest_first = np.lexsort((-np.nan_to_num(tau + results["tau_inserted"]), goes_in))
+    hardest = [cases[i] for i in slowest_first]  # fail first where the device is changed
     hopping = [i for i in np.argsort(-hops, kind="stable")[:_HOPPING] if hops[i] > 0]
     runs = [simulate_once(parameters_in(device, cases[i]), settings) for i in hopping]
 
     def is_reliable(values: Values) -> NDArray[np.bool_]:
-        return are_reliable(device, values, cases, settings, cores)
+        return are_reliable(device, values, hardest, settings, cores)
 
     def roughly(values: Values) -> NDArray[np.bool_]:
         least = max(settings.tolerance, STATISTICAL_TOLERANCE)
-        return are_reliable(device, values, cases, replace(settings, tolerance=least), cores)
+        return are_reliable(device, values, hardest, replace(settings, tolerance=least), cores)
 
     def is_late(values: Values) -> NDArray[np.bool_]:
         return are_late(device, values, cases, settings, cores)

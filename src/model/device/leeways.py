@@ -103,10 +103,16 @@ def leeways(
 ) -> tuple[Leeway, ...]:
     """Return the leeways of a reliable device.
 
-    ``is_late`` tells where devices fail by the horizon only; ``held`` are not varied. The steps are
-    tried by ``roughly``, if given; ends, and parts of steps, by ``is_reliable``.
+    ``is_late`` tells where devices fail by the horizon only; ``held`` are not varied. Values are
+    tried by ``roughly``, if given, and the ends found by ``is_reliable``, which then decides anew
+    on parameters with a wrong end.
     """
-    ends, late = _ends(device, is_reliable, held, roughly), []
+    ends, late = _ends(device, roughly or is_reliable, held), []
+    wrong = set() if roughly is None else _with_wrong_ends(device, ends, is_reliable, held)
+    if wrong:
+        right = {each.parameter for each in ends} - wrong
+        again = iter(_ends(device, is_reliable, {*held, *right}))
+        ends = [next(again) if each.parameter in wrong else each for each in ends]
     beyond = [(each.parameter, each.other) for each in ends if each.other is not None]
     if is_late is not None and beyond:
         late = is_late(_swept(_own(device, held), beyond)).tolist()
@@ -177,9 +183,18 @@ def a_step_inside(
     return change
 
 
-def _ends(
-    device: Stated, are_alike: IsReliable, held: Names, roughly: IsReliable | None = None
-) -> list[_End]:
+def _with_wrong_ends(
+    device: Stated, ends: Sequence[_End], is_reliable: IsReliable, held: Names
+) -> set[str]:
+    """Return the parameters with an end that is not reliable, or reliable beyond it."""
+    tried = [(each.parameter, each.alike, each.other) for each in ends if each.other is not None]
+    values = [(name, value) for name, *both in tried for value in both]
+    found = is_reliable(_swept(_own(device, held), values)).tolist() if values else []
+    right = zip(found[::2], found[1::2], strict=True)
+    return {name for (name, *_), pair in zip(tried, right, strict=True) if pair != (True, False)}
+
+
+def _ends(device: Stated, are_alike: IsReliable, held: Names) -> list[_End]:
     """Return the end of the scan of each value that is not 0, downwards and upwards in turn."""
     own = _own(device, held)
     names = [name for name, value in own.items() if value != 0.0 for _ in range(2)]
@@ -187,20 +202,13 @@ def _ends(
         _values(device, name, own[name], ratio)
         for name, ratio in zip(names, itertools.cycle((1.0 / STEP, STEP)), strict=False)
     ]
-    known = _leading(own, names, scans, roughly or are_alike)
-    ended = [i for i, (values, n) in enumerate(zip(scans, known, strict=True)) if n < len(values)]
-    if roughly is not None and ended:
-        some = {name: own[name] for name in names}
-        alike = are_alike(_swept(some, [(names[i], scans[i][known[i]]) for i in ended])).tolist()
-        wrong = [i for i, still in zip(ended, alike, strict=True) if still]
-        again = _leading(own, [names[i] for i in wrong], [scans[i] for i in wrong], are_alike)
-        for i, n in zip(wrong, again, strict=True):
-            known[i] = n
+    judged: dict[tuple[str, float], bool] = {}
+    known = _leading(own, names, scans, are_alike, judged)
     for count in PARTS:
         open_ones = [i for i, (values, n) in enumerate(zip(scans, known, strict=True))
                      if n < len(values)]  # fmt: skip
         parts = [_divided(scans[i][max(known[i] - 2, 0) : known[i] + 1], count) for i in open_ones]
-        finer = _leading(own, [names[i] for i in open_ones], parts, are_alike)
+        finer = _leading(own, [names[i] for i in open_ones], parts, are_alike, judged)
         for i, between, n in zip(open_ones, parts, finer, strict=True):
             scans[i], known[i] = [*between, scans[i][known[i]]], n
     return [
@@ -224,15 +232,21 @@ def _leading(
     names: Sequence[str],
     scans: Sequence[list[float]],
     are_alike: IsReliable,
+    judged: dict[tuple[str, float], bool],
 ) -> list[int]:
-    """Return how many leading values of each scan have the verdict of the device, its own first."""
+    """Return how many leading values of each scan have the verdict of the device, its own first.
+
+    Verdicts are added to ``judged``; values that have one are not tried again.
+    """
     both = list(zip(names, scans, strict=True))
-    tried = [(name, value) for name, values in both for value in values[1:]]
-    if not tried:
-        return [1] * len(scans)
-    some = {name: own[name] for name in names}
-    alike = iter(are_alike(_swept(some, tried)).tolist())
-    return [[True, *(next(alike) for _ in values[1:]), False].index(False) for values in scans]
+    values = {(name, value): None for name, scan in both for value in scan[1:]}
+    if tried := [each for each in values if each not in judged]:
+        some = {name: own[name] for name in names}
+        judged |= zip(tried, are_alike(_swept(some, tried)).tolist(), strict=True)
+    return [
+        [True, *(judged[name, value] for value in scan[1:]), False].index(False)
+        for name, scan in both
+    ]
 
 
 def _swept(own: Mapping[str, float], tried: Sequence[tuple[str, float]]) -> dict[str, np.ndarray]:

@@ -34,7 +34,7 @@ Floats = NDArray[np.float64]
 STATISTICAL_TOLERANCE = 1e-6  # local error of a step; yields are the same as at 1e-10
 FORCES = {place: f"{place}_force_max" for place in PLACES_OF_CONTACT}
 """Results of a run that are the largest force at a place of contact, by the place."""
-_FEW = 12  # every twelfth case is tried first: most failing devices fail in many
+_FEW = 12  # after the first case, every twelfth is tried: most failing devices fail in many
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -157,18 +157,15 @@ def are_reliable(
 ) -> NDArray[np.bool_]:
     """Return a mask of the devices that go in in all cases, shape (n,).
 
-    Most cases are tried only where a few of them succeed.
+    A case is tried only where those before it succeed: first the first of ``starts``, then a few.
     """
-
-    def succeed(values: Values, starts: Starts) -> NDArray[np.bool_]:
-        results, _ = from_every_start(device, values, starts, settings.quickest, cores)
-        return np.logical_and.reduce(results["goes_in"], axis=1)
-
-    reliable = succeed(values, starts[::_FEW])
-    left = np.flatnonzero(reliable)
-    others = [start for i, start in enumerate(starts) if i % _FEW]
-    if left.size and others:
-        reliable[left] = succeed({name: each[left] for name, each in values.items()}, others)
+    reliable, others = np.ones(len(next(iter(values.values()))), np.bool_), starts[1:]
+    most = [start for i, start in enumerate(others) if i % _FEW]
+    for some in filter(len, (starts[:1], others[::_FEW], most)):
+        if (left := np.flatnonzero(reliable)).size:
+            tried = {name: column[left] for name, column in values.items()}
+            found, _ = from_every_start(device, tried, some, settings.quickest, cores)
+            reliable[left] = found["goes_in"].all(axis=1)
     return reliable
 
 

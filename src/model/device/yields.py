@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy import stats
+import scipy
 
 from model.device import StatedDevice, Tolerance, load_device
 from model.device.cases import stated_case
@@ -119,9 +119,9 @@ def distribution(name: str, value: float, tolerance: Tolerance) -> Any:
     width = tolerance.around(value)
     if tolerance.kind == "uniform":
         low, high = max(value - width, least), min(value + width, most)
-        return stats.uniform(low, high - low)
+        return scipy.stats.uniform(low, high - low)
     ends = (least - value) / width, (most - value) / width
-    return stats.truncnorm(*ends, loc=value, scale=width)
+    return scipy.stats.truncnorm(*ends, loc=value, scale=width)
 
 
 def from_unit_cube(stated: StatedDevice, points: Floats) -> dict[str, Floats]:
@@ -134,7 +134,7 @@ def from_unit_cube(stated: StatedDevice, points: Floats) -> dict[str, Floats]:
 
 def drawn(stated: StatedDevice, count: int, seed: int = 0) -> dict[str, Floats]:
     """Return quantities of ``count`` devices, a power of two, drawn as scrambled Sobol' points."""
-    points = stats.qmc.Sobol(len(stated.tolerances), rng=np.random.default_rng(seed)).random(count)
+    points = scipy.stats.qmc.Sobol(len(stated.tolerances), rng=np.random.default_rng(seed)).random(count)
     return from_unit_cube(stated, points)
 
 
@@ -226,7 +226,7 @@ def interval(successes: int, count: int) -> tuple[float, float]:
     """Return Wilson's interval of a share, of 95 % confidence; (0, 1) of none."""
     if not count:
         return 0.0, 1.0
-    ends = stats.binomtest(successes, count).proportion_ci(CONFIDENCE, method="wilson")
+    ends = scipy.stats.binomtest(successes, count).proportion_ci(CONFIDENCE, method="wilson")
     return float(ends.low), float(ends.high)
 
 
@@ -263,7 +263,7 @@ def sobol_indices_of(
 
 def sobol_cubes(size: int, count: int, seed: int) -> Floats:
     """Return the points of Saltelli's scheme A, B, AB_1, …, AB_d, shape (d + 2, count, d)."""
-    both = stats.qmc.Sobol(2 * size, rng=np.random.default_rng(seed)).random(count)
+    both = scipy.stats.qmc.Sobol(2 * size, rng=np.random.default_rng(seed)).random(count)
     a, b = both[:, :size], both[:, size:]
     mixed = [np.where(np.arange(size) == i, b, a) for i in range(size)]
     return np.stack([a, b, *mixed])
@@ -280,7 +280,7 @@ def sobol_indices(f: Floats) -> Floats:
     if len(f) == 3:  # one quantity, which scipy refuses
         return np.ones((2, 1, 3))
     values = {"f_A": f[None, 0], "f_B": f[None, 1], "f_AB": f[2:, None]}
-    indices = stats.sobol_indices(func=values, n=f.shape[1], rng=np.random.default_rng(0))
+    indices = scipy.stats.sobol_indices(func=values, n=f.shape[1], rng=np.random.default_rng(0))
     with np.errstate(all="ignore"), warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of quantities without effect, whose interval is a point
         spread = indices.bootstrap(confidence_level=CONFIDENCE)
