@@ -270,7 +270,7 @@ CALLS = {
     "sweep": lambda: sweep(baseline(), **NEVER, **LONG),
     "reliable_at": lambda: reliable_at(baseline(), Settings(**LONG), **NEVER),
     "assess": lambda: assess(baseline().replace(press_force=0.8), Settings(**LONG)),
-    "yield_of": lambda: yield_of(BRASS, devices=2**16),
+    "yield_of": lambda: yield_of(BRASS, devices=2**12),
     "design": design,
 }
 
