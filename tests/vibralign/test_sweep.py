@@ -78,7 +78,7 @@ def varied(rng, own, size):
 
 @pytest.mark.parametrize("path", [PEG, *sorted((SQUARE / "devices").glob("*.yaml"))], ids=str)
 def test_many_devices_at_once_are_those_made_one_by_one(path):
-    """What is computed from others follows them, to the bit; a device's own value is no change."""
+    """Computed quantities follow the others, to the bit; a device's own value is no change."""
     stated, rng, size = load_device(path), np.random.default_rng(3), 8
     own = {**stated.values, **stated.quantities}
     for _ in range(40):
