@@ -123,10 +123,10 @@ def small_study(fixed_study: Study) -> Callable[[int, int], Study]:
 
 @pytest.fixture
 def _no_leeways(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Leave out the leeways, or nearest reliable values: most runs of an assessment."""
+    """Leave out the leeways, or the reliable values beside: most runs of an assessment."""
     module = importlib.import_module("model.device.assess")  # not the function
-    for name in ("leeways", "nearest"):
-        monkeypatch.setattr(module, name, lambda *_: ())
+    for name, nothing in {"leeways": (), "nearest": (), "together": {}}.items():
+        monkeypatch.setattr(module, name, lambda *_, nothing=nothing: nothing)
 
 
 # --- A study that has been run --------------------------------------------------------------

@@ -122,7 +122,7 @@ def test_what_can_be_made_again_is(tmp_path, monkeypatch, kind, damage):
 
 @dataclass(frozen=True)
 class Refused:
-    """How a whole file is written and read, and what the message of a damaged one must hold."""
+    """Writer and reader of a whole file, and what the message of a damaged one must hold."""
 
     name: str
     write: Callable[[Path], object]

@@ -28,7 +28,7 @@ BASE = ["--set", "contact_stiffness=300 kN/m"]  # as the model takes it where it
 
 
 def said(capsys, *arguments: str, code: int = cli.DONE) -> str:
-    """What the command prints."""
+    """Run the command, and return what it prints."""
     assert cli.main(["assess", *arguments]) == code
     return capsys.readouterr().out
 

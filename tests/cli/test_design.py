@@ -172,7 +172,9 @@ def test_changes_end_with_as_many_runs_as_the_search_took(capsys, peg, monkeypat
     assert record["passed"] == ["contact_force"]
 
 
-def test_a_device_that_goes_in_nowhere_is_told_the_cause_and_that_no_range_helps(capsys, peg):
+def test_a_device_that_goes_in_nowhere_is_told_the_cause_and_that_no_range_helps(
+    capsys, peg, request
+):
     device = peg("time: 0.5 s", friction="0.9 ± 0.1")
     assert cli.main(["design", "--device", device, *QUICK, *BASE]) == cli.FAILED
     said = capsys.readouterr().out
@@ -186,6 +188,7 @@ def test_a_device_that_goes_in_nowhere_is_told_the_cause_and_that_no_range_helps
     sets = [f"tilt_stiffness={setting}", f"{change[1]}={change[2]}"]  # friction has no unit
     assert change[1] == "friction"
     given = [word for each in sets for word in ("--set", each)]
+    request.getfixturevalue("_no_leeways")  # the verdict alone is asked for
     assert cli.main(["assess", "--device", device, *BASE, *given, "--devices", "2"]) == cli.DONE
     assert "\nverdict         reliable at the stated values" in capsys.readouterr().out
     assert re.search("what binds .*the device itself: as stated it does not go in\n", said)

@@ -61,7 +61,7 @@ def test_one_parameter_varies_at_a_time_in_three_batches(device):
 
 
 def test_values_may_be_tried_roughly_and_an_end_never_is(device):
-    """What is tried roughly is off by 5 %: the end of the range is the true one."""
+    """The end of a range is the true one, although its rough trials are off by 5 %."""
     device = device.replace(press_force=2.0)
     roughly, rough = oracle(device, press_force=(0.0, 2.9 * 0.95))
     is_reliable, exact = oracle(device, press_force=(0.0, 2.9))

@@ -96,12 +96,12 @@ def asked(folder: Path, numbers: range, ensemble: Ensemble, minimum: int) -> Non
 def test_printed_ends_hold_on_every_base(tmp_path, monkeypatch):
     monkeypatch.setattr(leeways, "VARIED", ASKED)
     monkeypatch.setattr(leeways, "UNITS", ())
-    asked(tmp_path, range(30), FEW, 40)
+    asked(tmp_path, range(12), FEW, 16)
 
 
 @pytest.mark.nightly
 def test_all_printed_ends_hold_on_every_base(tmp_path):
-    asked(tmp_path, range(30, 60), Ensemble(phases=8, tilts=[1.0, 3.0], every=1), 100)
+    asked(tmp_path, range(12, 60), Ensemble(phases=8, tilts=[1.0, 3.0], every=1), 160)
 
 
 def test_a_case_is_the_device_that_set_states(tmp_path):

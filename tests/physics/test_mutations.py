@@ -91,9 +91,9 @@ def replaced(path: Path, old: str, new: str) -> str:
 
 
 # Collects the unit tests once; a fork for each mutation puts the wrong code in place of the right
-# and runs them.
+# and runs them, those that are to catch it first.
 RUN_EACH = """
-import importlib, json, os, sys
+import gc, importlib, json, os, sys
 from inspect import unwrap
 from types import FunctionType
 import pytest
@@ -107,12 +107,14 @@ def put(module, code):
 
 class Mutations:
     def pytest_collection_finish(self, session):
-        for mutation, (module, code) in mutations.items():
+        gc.freeze()  # a fork need not look through what it shares
+        for mutation, (module, code, at_tips) in mutations.items():
             if child := os.fork():
                 codes[mutation] = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
                 continue
             os.dup2(os.open(f"{logs}/{mutation}", os.O_WRONLY | os.O_CREAT), 1)
             put(importlib.import_module(module), code)
+            session.items.sort(key=lambda item: (item.path.stem == "test_tips") != at_tips)
             return
 
 logs, codes = sys.argv[1], {}
@@ -126,17 +128,17 @@ print(json.dumps(codes))
 """
 
 
-def mutated(mutation: str) -> tuple[str, str]:
-    """Return the name of a module of the package, and its source with one error in it."""
+def mutated(mutation: str) -> tuple[str, str, bool]:
+    """Return the name of a module, its source with one error in it, and if that is at the tips."""
+    at_tips = mutation not in MUTATIONS
     if mutation in WRONG_TIPS:
         file, right, wrong = WRONG_TIPS[mutation]
     else:
-        at_tips = mutation in OF_TIPS
         file, before, force = OF_TIPS[mutation] if at_tips else MUTATIONS[mutation]
         file = file if at_tips else f"physics/{file}"
         right, wrong = before + force, f"{before}1.01 * {force}"
     module = f"model.{file.removesuffix('.py').replace('/', '.')}"
-    return module, replaced(PROJECT / "src/model" / file, right, wrong)
+    return module, replaced(PROJECT / "src/model" / file, right, wrong), at_tips
 
 
 @pytest.fixture(scope="module")
@@ -144,7 +146,9 @@ def tried(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[int, str]
     """(exit code, output) of the unit tests, uncompiled, on each mutation and on none."""
     folder = tmp_path_factory.mktemp("mutated")
     mutations = {name: mutated(name) for name in EVERY}
-    options = ["-x", "-q", "-s", "-p", "no:cacheprovider", *UNIT_TESTS]
+    # Hypothesis would be imported by every fork that fails, to tell of examples.
+    plugins = ["-p", "no:cacheprovider", "-p", "no:hypothesispytest"]
+    options = ["-x", "-q", "-s", *plugins, *UNIT_TESTS]
     run = subprocess.run(
         [sys.executable, "-c", RUN_EACH, folder],
         input=json.dumps([mutations, options]),

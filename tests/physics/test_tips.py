@@ -1,4 +1,4 @@
-"""Tips of a round part: the rims are circles in space, and the tips are found by bisection.
+"""Tips of a round part: the rims are circles in space, and the tips are found by a root search.
 
 No formula of the page on round parts is used: tips are where a rim crosses the other as seen along
 the axis of the part, normals are perpendicular to both rims, rates are central differences.
@@ -8,6 +8,7 @@ from math import cos, hypot, pi, sin, sqrt, tan
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from model.events.event_functions import before_face_end, corner_positions, face_state, tips_outside
 from model.physics.contacts import edge_on_face, tips_on_face
@@ -66,15 +67,7 @@ class Rims:
 
     def crossing(self):
         """Angle of the tip with Z > 0, where the rim passes from outside the part to inside."""
-        low, high = 0.0, pi
-        assert self.outside(low) * self.outside(high) < 0.0
-        for _ in range(60):
-            middle = 0.5 * (low + high)
-            if self.outside(low) * self.outside(middle) > 0.0:
-                low = middle
-            else:
-                high = middle
-        return low
+        return brentq(self.outside, 0.0, pi, xtol=1e-16, rtol=4 * np.finfo(float).eps)
 
     @property
     def tip(self):
@@ -202,7 +195,7 @@ def test_the_slip_is_that_of_the_part_at_the_tips(p, side):
 
 @SIDES
 def test_normal_forces_press_across_the_plane_by_the_wedge_factor(p, side):
-    """What both tips press with in the plane is 1/w of their normal forces, at zero depth."""
+    """In the plane, both tips press with 1/w of their normal forces, at zero depth."""
     largest = 1.0
     for sunken in poses(30, side):
         state, rims = touching(sunken, p, side)

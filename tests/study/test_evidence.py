@@ -1,4 +1,4 @@
-"""What the verdicts are worth: random draws, other assumptions, and evidence in bits."""
+"""Worth of the verdicts: random draws, other assumptions, and evidence in bits."""
 
 import numpy as np
 import pytest

@@ -265,7 +265,7 @@ SEEN, UNSEEN = ("fig07", "fig11"), ("fig08", "fig10")
 
 @pytest.fixture(scope="module")
 def devices(study: Study) -> pd.DataFrame:
-    """What devices show of figures that a tiny search has not seen."""
+    """Findings of devices about figures that a tiny search has not seen."""
     stages = [COARSE]
     effort = HoldOut(
         halves={},

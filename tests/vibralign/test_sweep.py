@@ -78,7 +78,7 @@ def varied(rng, own, size):
 
 @pytest.mark.parametrize("path", [PEG, *sorted((SQUARE / "devices").glob("*.yaml"))], ids=str)
 def test_many_devices_at_once_are_those_made_one_by_one(path):
-    """What is computed from others follows them, to the bit; a device's own value is no change."""
+    """Computed quantities follow the others, to the bit; a device's own value is no change."""
     stated, rng, size = load_device(path), np.random.default_rng(3), 8
     own = {**stated.values, **stated.quantities}
     for _ in range(40):
@@ -270,7 +270,7 @@ CALLS = {
     "sweep": lambda: sweep(baseline(), **NEVER, **LONG),
     "reliable_at": lambda: reliable_at(baseline(), Settings(**LONG), **NEVER),
     "assess": lambda: assess(baseline().replace(press_force=0.8), Settings(**LONG)),
-    "yield_of": lambda: yield_of(BRASS, devices=2**16),
+    "yield_of": lambda: yield_of(BRASS, devices=2**12),
     "design": design,
 }
 

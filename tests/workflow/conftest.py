@@ -55,6 +55,7 @@ TINY: dict[str, Any] = {
             "max_evaluations": 20_000,
             "max_evaluations_scipy": 1_000,
         },
+        "cases": {"never_aligning": {"until": 3.0}},
         "hard": {
             "ladder": {
                 "tolerances": [1e-3],
@@ -65,8 +66,16 @@ TINY: dict[str, Any] = {
             "every_method": ["no_friction"],
             "base": {"stiffness": [1e2, 1e4], "damping": [1.0], "until": 0.1},
             "cases": {
-                "many_lift_offs": {"until": 0.1, "max_evaluations": 2_000},
-                "long_horizon": {"until": 0.1, "max_evaluations": 2_000},
+                name: {"until": 0.1, "max_evaluations": 2_000}
+                for name in (
+                    "many_lift_offs",
+                    "long_horizon",
+                    "contact_resonance",
+                    "much_friction",
+                    "no_tilt_spring",
+                    "hard_tilt_spring",
+                    "at_the_edge",
+                )
             },
         },
     },

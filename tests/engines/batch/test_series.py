@@ -150,7 +150,7 @@ class Step:
         return Mode(RIGHT_EDGE, face, OPEN, 0.0, False, slip, side, side_slip, False)
 
     def applies(self, which: int, lane: int) -> bool:
-        """Whether an event applies in the mode of a lane."""
+        """Return whether an event applies in the mode of a lane."""
         applies = self.w[self.lanes.samples + which, lane] != NEVER
         return bool(applies and self.applicable & 1 << which)
 
