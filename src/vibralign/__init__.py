@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from model.device.reliability import DeviceResults as DeviceResults
     from model.device.yields import Yield as Yield
     from model.device.yields import yield_of as yield_of
+    from model.show.si import readable as readable
     from model.study.config import baseline as baseline
     from vibralign.studies import sweep as sweep
 
@@ -59,6 +60,7 @@ _LATER = {
     "Yield": "model.device.yields",
     "assess": "model.device.assess",
     "baseline": "model.study.config",
+    "readable": "model.show.si",
     "sweep": "vibralign.studies",
     "yield_of": "model.device.yields",
 }
