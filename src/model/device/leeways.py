@@ -130,8 +130,8 @@ def leeways(
     hang = [each.other is not None and next(found) for each in ends]
     return tuple(
         Leeway(d.parameter, d.value, d.alike, u.alike, d.other is not None, u.other is not None,
-               *hang[2 * n : 2 * n + 2], d.other, u.other, d.ragged, u.ragged)
-        for n, (d, u) in enumerate(zip(ends[::2], ends[1::2], strict=True))
+               below, above, d.other, u.other, d.ragged, u.ragged)
+        for d, u, below, above in zip(ends[::2], ends[1::2], hang[::2], hang[1::2], strict=True)
     )  # fmt: skip
 
 
@@ -215,7 +215,7 @@ def _ends(
     for count in PARTS:
         open_ones = [i for i, (values, n) in enumerate(zip(scans, known, strict=True))
                      if n < len(values)]  # fmt: skip
-        parts = [_divided(*scans[i][known[i] - 1 : known[i] + 1], count) for i in open_ones]
+        parts = [_divided(scans[i][known[i] - 1], scans[i][known[i]], count) for i in open_ones]
         finer = _leading(own, [names[i] for i in open_ones], parts, are_alike)
         for i, between, n in zip(open_ones, parts, finer, strict=True):
             scans[i], known[i] = [*between, scans[i][known[i]]], n
