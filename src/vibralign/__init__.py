@@ -13,9 +13,12 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from model.device.assess import assess as assess
+    from model.device.design import Design as Design
+    from model.device.design import design as design
     from model.device.reliability import DeviceResults as DeviceResults
     from model.device.yields import Yield as Yield
     from model.device.yields import yield_of as yield_of
+    from model.show.si import readable as readable
     from model.study.config import baseline as baseline
     from vibralign.studies import sweep as sweep
 
@@ -55,10 +58,13 @@ __version__ = _version()
 
 # Imported when they are used: they need the extra `study`, or take half a second.
 _LATER = {
+    "Design": "model.device.design",
     "DeviceResults": "model.device.reliability",
     "Yield": "model.device.yields",
     "assess": "model.device.assess",
     "baseline": "model.study.config",
+    "design": "model.device.design",
+    "readable": "model.show.si",
     "sweep": "vibralign.studies",
     "yield_of": "model.device.yields",
 }

@@ -2,17 +2,20 @@
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 import xarray as xr
 
+import vibralign
 from model import INSERTION, Settings, load_device
 from model.cli import main as cli
 from model.device import design_changes, design_trials
 from model.device.cases import cases_of
+from model.device.design import GENERATIONS, POPULATION
 from model.device.reliability import run_devices
-from model.device.yields import drawn
+from model.device.yields import DEVICES, drawn
 from model.sweeps.settings import Ensemble
 
 PEG = Path(__file__).parents[1] / "square" / "peg.yaml"
@@ -62,6 +65,34 @@ def test_a_design_is_recommended_and_kept(capsys, peg, tmp_path):
     assert cli.main([*given, "--json"]) == cli.DONE
     record = json.loads(capsys.readouterr().out)
     assert (record["tried"], record["feasible"]) == (tried, True)
+
+
+def test_python_has_the_design_of_the_command(capsys, peg):
+    """The recommended setting and its numbers; the defaults of the search are the same, too."""
+    path = peg("contact_force: 60 N", friction="0.15 ± 0.03")
+    assert cli.main(["design", "--device", path, *QUICK, *BASE, "--json"]) == cli.DONE
+    said = json.loads(capsys.readouterr().out)
+    device = replace(load_device(path, {"contact_stiffness": "300 kN/m"}), horizon=0.6)
+    found = vibralign.design(device, generations=1, population=5, devices=64)
+    assert isinstance(found, vibralign.Design)
+    assert (found.setting, found.feasible) == (said["setting"], said["feasible"])
+    assert found.check.forces == said["forces"]
+    assert [*found.interval] == said["yield_interval"]
+    shown = found._shown()
+    for name in ("margin", "time", "contact_force", "tilt", "devices"):
+        assert shown[name] == said[name]
+    [(name, value)] = found.setting.items()
+    assert repr(found) == f"<Design: recommended {name} = {value:.4g} N m/rad>"
+    assert f"<tr><th>{name}</th><td>{value:.7g}</td></tr>" in found._repr_html_()
+    parser = cli._parser().parse_args(["design", "--device", path])
+    assert (int(parser.generations), int(parser.population)) == (GENERATIONS, POPULATION)
+    assert int(parser.devices) == DEVICES
+    with pytest.raises(TypeError, match="needs a device of a file"):
+        vibralign.design(vibralign.baseline())
+    with pytest.raises(ValueError, match=r"devices = 3: .* power of two"):
+        vibralign.design(path, devices=3)
+    with pytest.raises(ValueError, match="nothing is free"):
+        vibralign.design(PEG)
 
 
 @pytest.mark.usefixtures("_no_leeways")

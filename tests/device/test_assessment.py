@@ -51,13 +51,13 @@ def test_a_leeway_ends_less_than_half_a_per_cent_before_a_failure(device):
     assert (friction.bounded_below, friction.bounded_above) == (False, True)
 
 
-def test_one_parameter_varies_at_a_time_in_three_batches(device):
+def test_one_parameter_varies_at_a_time_in_four_batches(device):
     is_reliable, calls = oracle(device, press_force=(0.99 * device.press_force, np.inf))
     assert {each.parameter for each in leeways(device, is_reliable)} == set(VARIED)
     for swept in calls:
         off = sum(values != getattr(device, name) for name, values in swept.items())
         assert (off == 1).all()
-    assert len(calls) == 3
+    assert len(calls) == 4  # the steps, parts of one, parts of such a part, values about the end
 
 
 def test_values_may_be_tried_roughly_and_an_end_never_is(device):
@@ -66,9 +66,37 @@ def test_values_may_be_tried_roughly_and_an_end_never_is(device):
     roughly, rough = oracle(device, press_force=(0.0, 2.9 * 0.95))
     is_reliable, exact = oracle(device, press_force=(0.0, 2.9))
     found = leeways(device, is_reliable, roughly=roughly)
-    assert (len(rough), len(exact)) == (3, 4)  # the ends, then the parameter that was wrong
+    # Exactly: the ends, the scan of the parameter that was wrong, and values about its ends.
+    assert (len(rough), len(exact)) == (3, 5)
     assert all((each["friction"] == device.friction).all() for each in exact)
     assert found == leeways(device, is_reliable)
+
+
+def test_an_end_moves_inwards_past_the_failures_of_a_ragged_border(device):
+    """What fails between the own value and the end is found to some 3 %, near the end to 0.4 %."""
+    device = device.replace(press_force=2.0)
+
+    def ragged(*holes):
+        def is_reliable(swept):
+            force = swept["press_force"]
+            fails = [(low <= force) & (force <= high) for low, high in holes]
+            return (force < 3.0) & ~np.logical_or.reduce(fails)
+
+        [found] = leeways(device, is_reliable, held=set(VARIED) - {"press_force"})
+        return found
+
+    clean = ragged()
+    assert (clean.ragged_above, clean.bounded_below) == (False, False)
+    assert clean.fails_above <= clean.high * (1.0 + FINEST)
+    near = ragged((2.94, 2.952))
+    assert near.ragged_above
+    assert near.high < 2.94 <= near.fails_above <= 2.952
+    far = ragged((2.94, 2.952), (2.3, 2.35))  # between two steps
+    assert far.high < 2.3 <= far.fails_above <= 2.35
+    own = ragged((2.94, 2.952), (2.001, 2.11))
+    assert (own.high, own.ragged_above) == (2.0, True)
+    again = ragged((3.0, 3.005), (3.01, np.inf))
+    assert not again.ragged_above  # all beyond fails
 
 
 def test_trials_stop_at_the_bound_of_a_parameter_and_zero_has_no_leeway(device):

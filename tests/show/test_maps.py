@@ -21,6 +21,7 @@ from model.show.maps import (
     vibration_map,
 )
 from model.show.plots import draw
+from model.show.si import readable
 from model.show.style import FAILED_LABEL, NOT_ALIGNED, NOT_INSERTED
 from tests.show.drawn import NAN, followed, grid, named
 
@@ -194,3 +195,52 @@ def test_contours_are_at_round_numbers_inside_the_values(values):
 def test_without_values_there_are_no_contours():
     assert round_levels(np.array([])) == []
     assert round_levels(np.array([2.0, 2.0])) == []
+
+
+def test_a_map_in_si_units_is_drawn_as_it_is_read_and_stays_in_si_units():
+    """Lengths in mm, or in µm if they are small; a coarser grid in the unit of the finer one."""
+    fine, coarse = np.linspace(20e-6, 100e-6, 9), np.linspace(20e-6, 90e-6, 3)
+    meter, newton = {"units": "m", "long_name": "misalignment"}, {"units": "N", "symbol": "f_0"}
+    coordinates = {
+        "press_force": ("press_force", np.linspace(500.0, 2000.0, 4), newton),
+        "misalignment": ("misalignment", fine, meter),
+        "start_misalignment": ("start_misalignment", coarse, meter),
+        "half_width": ((), 5e-3, {"units": "m"}),
+    }
+    place = ("press_force", "misalignment")
+    outcome = np.full((4, 9), int(Outcome.ALIGNED), np.int8)
+    variables = {
+        "outcome": (place, outcome),
+        "tau_align": (place, np.linspace(0.1, 0.4, 36).reshape(4, 9), {"units": "s"}),
+    }
+    dataset = xr.Dataset(variables, coordinates, {"kind": "map"})
+    before = dataset.copy(deep=True)
+    shown = readable(dataset)
+    xr.testing.assert_identical(dataset, before)
+    units = {name: shown[name].attrs.get("units") for name in shown.variables}
+    assert units == {"press_force": "kN", "misalignment": "mm", "start_misalignment": "mm",
+                     "half_width": "mm", "outcome": None, "tau_align": "ms"}  # fmt: skip
+    np.testing.assert_allclose(shown.start_misalignment, [0.02, 0.055, 0.09])
+    axes = stability_map(dataset).axes
+    assert axes[0].get_xlabel() == "misalignment in mm"
+    assert axes[0].get_ylabel().endswith(" in kN")
+    assert axes[1].get_ylabel().endswith(" in ms")
+    low, high = axes[0].get_xlim()
+    assert (low, high) == pytest.approx((0.015, 0.105))
+    small = readable(dataset.sel(misalignment=slice(0.0, 95e-6)))
+    assert small.misalignment.attrs["units"] == "µm"
+    assert small.start_misalignment.values.tolist() == pytest.approx([20.0, 55.0, 90.0])
+
+
+@pytest.mark.parametrize(("scene", "verb"), [("alignment", "aligns"), ("insertion", "goes in")])
+def test_the_legend_of_a_map_fits_its_page(scene, verb):
+    shown = dataset(unvibrated=True).assign_attrs(scene=scene)
+    if scene == "insertion":
+        aligned = shown["outcome"] == Outcome.ALIGNED
+        shown["outcome"] = shown["outcome"].where(~aligned, Outcome.INSERTED)
+    figure = stability_map(shown)
+    figure.draw_without_rendering()
+    box = figure.legends[0].get_window_extent()
+    assert figure.bbox.x0 <= box.x0
+    assert box.x1 <= figure.bbox.x1
+    assert f"ticked side: {verb} from every start" in words(figure)

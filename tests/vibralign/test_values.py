@@ -16,6 +16,7 @@ import pytest
 
 import vibralign
 from model.events.table import EVENTS
+from model.sweeps.settings import Ensemble
 from vibralign import (
     INSERTION,
     PRINTED_CONTACTS,
@@ -28,6 +29,7 @@ from vibralign import (
     align,
     assess,
     baseline,
+    design,
     load_device,
     simulate,
     yield_of,
@@ -43,12 +45,16 @@ def values():
     device, peg = baseline(), load_device(PEG, {"press_force": "12 N ± 1 N"})
     batch = Batch.of(device, press_force=np.linspace(0.2, 4.0, 9))
     found, results = yield_of(peg, STARTS, QUICK, devices=4)
+    free = replace(peg, free={"press_force": (8.0, 12.0)})
+    few = Ensemble(phases=1, tilts=[1.0], every=1)
+    best = design(free, QUICK, few, generations=1, population=5, devices=4)
     return [
         device, batch, peg, Variants.printed(), Outcome.ALIGNED, Reason.NO_REST,
         INSERTION, PRINTED_CONTACTS, Scene("mine", frozenset({"edge_on_face"})),
         Settings(), replace(QUICK, scene=INSERTION, readings=Variants(), start="pressed"),
         simulate(device, QUICK), simulate(device, QUICK, horizon=1.0), align(batch, QUICK),
-        found, results, replace(found, low=math.nan), assess(peg, QUICK, vary=False, bases=True),
+        found, results, replace(found, low=math.nan), best,
+        assess(peg, QUICK, vary=False, bases=True),
     ]  # fmt: skip
 
 

@@ -304,18 +304,28 @@ def _varied(result: "Assessment", value: Callable[[str, float], str]) -> list[st
     if not result.leeways:
         return []
     lines = ["stays reliable while, one parameter at a time (ends known to 0.4 %),"]
-    return lines + in_columns([_leeway_row(each, value) for each in result.leeways])
+    lines += in_columns([_leeway_row(each, value) for each in result.leeways])
+    if any(each.ragged_below or each.ragged_above for each in result.leeways):
+        lines.append("  ragged: values that fail lie among values that hold; keep well inside")
+    return lines
 
 
 def _leeway_row(leeway: "Leeway", words: Callable[[str, float], str]) -> tuple[str, ...]:
-    low, high, own = (
-        words(leeway.parameter, each) for each in (leeway.low, leeway.high, leeway.value)
-    )
-    low += "" if leeway.bounded_below else " or less"
-    high += "" if leeway.bounded_above else " or more"
-    low += " (by the horizon)" * leeway.late_below
-    high += " (by the horizon)" * leeway.late_above
-    return leeway.parameter, f"from {low}", f"to {high}", f"its value {own}"
+    def end(
+        word: str, value: float, fails: float | None, further: str, *, late: bool, ragged: bool
+    ) -> str:
+        said = f"{word} {words(leeway.parameter, value)}"
+        if fails is None:
+            return f"{said} or {further}"
+        notes = ["by the horizon"] * late
+        notes += [f"ragged: {words(leeway.parameter, fails)} fails"] * ragged
+        return f"{said} ({', '.join(notes)})" if notes else said
+
+    low = end("from", leeway.low, leeway.fails_below, "less",
+              late=leeway.late_below, ragged=leeway.ragged_below)  # fmt: skip
+    high = end("to", leeway.high, leeway.fails_above, "more",
+               late=leeway.late_above, ragged=leeway.ragged_above)  # fmt: skip
+    return leeway.parameter, low, high, f"its value {words(leeway.parameter, leeway.value)}"
 
 
 def _nearest_row(nearest: "Nearest", words: Callable[[str, float], str]) -> tuple[str, ...]:

@@ -80,17 +80,21 @@ def _design(arguments: argparse.Namespace) -> int:
         for name, least in (("generations", 1), ("population", 5), ("seed", 0))
     )
     given = read_inputs(arguments)
-    trials, assumed_tolerances = _trials(arguments, given, seed)
-    announce_compilation()
-    from model.device.design import search  # noqa: PLC0415  (only this command)
+    from model.device.design import search, trials_of  # noqa: PLC0415  (only this command)
 
+    assert given.stated is not None  # noqa: S101  (--device is given)
+    trials = trials_of(
+        given.stated, given.settings, given.study.maps.ensemble, os.cpu_count() or 1, seed,
+        number("devices", arguments.devices),
+    )  # fmt: skip
+    announce_compilation()
     with ProgressLine() as line:
         design, known = search(trials, generations, population, line.begin)
         line.begin("recommended setting, as assess has it")
         answer = Answer(design, trials, _assessed(design, trials, given))
     assumed = assumptions_with(
         trials.stated, design.setting, given.settings, given.study.maps.ensemble,
-        tolerances_assumed=assumed_tolerances,
+        tolerances_assumed=trials.stated is not given.stated,
     )  # fmt: skip
     if not arguments.json:
         print("\n".join([*report(answer), *lines_of(assumed)]), flush=True)
@@ -133,23 +137,6 @@ def _try_changes(answer: Answer, known: "Known", tell: "Callable[[Change], None]
     except KeyboardInterrupt:
         return Changes(changes, proposals[number:], "interrupted; all else is complete")
     return Changes(changes)
-
-
-def _trials(arguments: argparse.Namespace, given: Inputs, seed: int) -> tuple["Trials", bool]:
-    """Return the trials of the device's settings, and whether its tolerances are assumed."""
-    from model.device.cases import cases_of  # noqa: PLC0415
-    from model.device.design import with_tolerances  # noqa: PLC0415  (as in _design)
-    from model.device.design_trials import Trials  # noqa: PLC0415
-    from model.device.yields import check_devices  # noqa: PLC0415
-
-    assert given.stated is not None  # noqa: S101  (--device is given)
-    stated, devices = (
-        with_tolerances(given.stated),
-        check_devices(number("devices", arguments.devices)),
-    )
-    starts = cases_of(stated, given.study.maps.ensemble)
-    trials = Trials(stated, starts, given.settings, os.cpu_count() or 1, seed, devices)
-    return trials, stated is not given.stated
 
 
 def _assessed(design: "Design", trials: "Trials", given: Inputs) -> "Assessment":

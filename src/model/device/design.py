@@ -20,11 +20,19 @@ from numpy.typing import NDArray
 from scipy import optimize, stats
 
 from model.device import StatedDevice, Tolerance
+from model.device.cases import cases_of
 from model.device.design_trials import MEASURES, Check, Row, Trials
 from model.device.reliability import Floats
-from model.device.yields import interval
+from model.device.runs import AnyDevice, device_of
+from model.device.stated import unit_of
+from model.device.yields import DEVICES, check_devices, interval
+from model.events.insertion import INSERTION
+from model.physics.tables import Value
+from model.runs.settings import Settings
+from model.sweeps.settings import Ensemble
 
 MARGIN_STEP = 0.25
+GENERATIONS, POPULATION = 12, 24  # of the search, by default
 DIGITS = 4  # of the values of a setting, as they are printed
 CHECKS = 24  # most settings that are checked
 ASSUMED = Tolerance("uniform", 0.1, relative=True)  # for a device that states no tolerance
@@ -39,8 +47,8 @@ Known = dict[Setting, Row]
 """Results of quick trials."""
 
 
-@dataclass(frozen=True)
-class Tried:
+@dataclass(frozen=True, eq=False, repr=False)
+class Tried(Value):
     """Results of settings, in SI units.
 
     Attributes:
@@ -83,8 +91,8 @@ class Tried:
         return np.where(self.keeps(limits), kept, 10.0 * (1.0 - self.share) + excess)
 
 
-@dataclass(frozen=True)
-class Design:
+@dataclass(frozen=True, eq=False, repr=False)
+class Design(Value):
     """Result of a search.
 
     Attributes:
@@ -101,6 +109,19 @@ class Design:
     limits: Mapping[str, float]
     checks: Mapping[int, Check]
     free: Mapping[str, tuple[float, float]]
+
+    def __repr__(self) -> str:
+        words = "recommended" if self.feasible else "none keeps the limits; nearest"
+        setting = ", ".join(f"{n} = {v:.4g} {unit_of(n)}" for n, v in self.setting.items())
+        return f"<Design: {words} {setting}>".replace(" 1>", ">").replace(" 1,", ",")
+
+    def _shown(self) -> dict[str, Any]:
+        """Return the results of the recommended setting by name, SI units."""
+        tried, best = self.tried, self.best
+        measures = {name: float(each[best]) for name, each in tried.measures.items()}
+        results = {"share": float(tried.share[best]), "margin": float(tried.margin[best])}
+        checked = {} if self.check is None else {"devices": self.check.devices}
+        return self.setting | results | checked | measures | {"binding": ", ".join(self.binding)}
 
     @property
     def check(self) -> Check | None:
@@ -170,6 +191,54 @@ class Design:
             ends += [(name, "lower")] if value < low + near else []
             ends += [(name, "upper")] if value > high - near else []
         return ends
+
+
+def design(
+    device: AnyDevice,
+    settings: Settings | None = None,
+    ensemble: Ensemble | None = None,
+    cores: int = 1,
+    *,
+    generations: int = GENERATIONS,
+    population: int = POPULATION,
+    seed: int = 0,
+    devices: int = DEVICES,
+) -> Design:
+    """Return the recommended setting of a device, as ``vibralign design`` does.
+
+    Args:
+        device: of a file, as ``simulate`` takes it; it states what is free, and its limits.
+        settings: settings of the runs; None for the defaults, in the insertion scene.
+        ensemble: the starts; None for those of the study.
+        cores: number of threads.
+        generations: of the search.
+        population: settings a generation.
+        seed: of the search.
+        devices: number of devices of a check, a power of two.
+
+    Raises:
+        TypeError: a dimensionless device.
+        ValueError: nothing is free, or a number that is no power of two.
+    """
+    trials = trials_of(device, settings, ensemble, cores, seed, devices)
+    return search(trials, generations, population)[0]
+
+
+def trials_of(
+    device: AnyDevice,
+    settings: Settings | None = None,
+    ensemble: Ensemble | None = None,
+    cores: int = 1,
+    seed: int = 0,
+    devices: float = DEVICES,
+) -> Trials:
+    """Return the trials of a device's settings; arguments and errors as for ``design``."""
+    stated = device_of(device)
+    if not isinstance(stated, StatedDevice):
+        raise TypeError("a design needs a device of a file, with free quantities, got Parameters")
+    stated, cases = with_tolerances(stated), cases_of(stated, ensemble or Ensemble())
+    settings = settings or Settings(scene=INSERTION)
+    return Trials(stated, cases, settings, cores, seed, check_devices(devices))
 
 
 def with_tolerances(stated: StatedDevice) -> StatedDevice:

@@ -29,6 +29,7 @@ from model.device.reliability import (
 )
 from model.device.yields import DEVICES, drawn, nearest_failing
 from model.physics.parameters import FIELDS
+from model.physics.tables import Value
 from model.runs.settings import Settings
 from model.sweeps.starts import Starts
 
@@ -74,8 +75,8 @@ Row = tuple[float, ...]
 """Results of a setting: share, margin, and ``MEASURES``."""
 
 
-@dataclass(frozen=True)
-class Check:
+@dataclass(frozen=True, eq=False, repr=False)
+class Check(Value):
     """Results of a setting by the devices and starts of ``assess``.
 
     Attributes:

@@ -1,11 +1,17 @@
 """Leeways of a device: ranges in which it stays reliable, one parameter at a time.
 
 Each parameter is scanned from its value, downwards and upwards, in steps of one ratio, all in one
-batch. Two more batches divide the step in which the verdict changes and the one before, and then
-such parts, so that the end of the range is known to ``FINEST``. Values are tried with the digits
-that are printed. The same scan finds the nearest reliable values of a device that is not reliable.
-The values of a device that its file states are in SI units. Its mass, axial stiffness and
-amplitude, which are the units of its dimensionless parameters, are scanned as well.
+batch. Two more batches divide the step in which the verdict changes, and then such a part, so that
+the end of the range is known to ``FINEST``. Values are tried with the digits that are printed.
+
+The border of a part that hops is *ragged*: values that fail lie among values that hold, down to
+slivers of 0.01 %. So ``UNBROKEN`` values ``FINEST`` apart are tried inwards from an end, ``BEYOND``
+outwards, and from a ragged end ``ACROSS`` more to the device's own value. The end moves inwards
+past any that fails, until all of these hold.
+
+The same scan finds the nearest reliable values of a device that is not reliable. The values of a
+device that its file states are in SI units. Its mass, axial stiffness and amplitude, which are the
+units of its dimensionless parameters, are scanned as well.
 """
 
 import itertools
@@ -27,9 +33,10 @@ VARIED = (
 )  # fmt: skip
 STEP = 2.0 ** (1.0 / 12.0)  # ratio of neighbouring values, 6 %
 STEPS = 24  # steps of a scan: from a quarter to four times the value
-PARTS = 4, 5  # of the step in which the verdict changes, and of the one before; then of such a part
+PARTS = 4, 5  # of the step in which the verdict changes; then of such a part
 DIGITS = 4  # of the values
 FINEST = STEP ** (1.0 / math.prod(PARTS)) * (1.0 + 10.0 ** (1 - DIGITS)) - 1.0  # 0.4 %
+UNBROKEN, BEYOND, ACROSS = 8, 3, 24  # values inwards from an end, outwards, and to the own value
 PAIRED = 13  # values of each of two parameters that are changed together
 
 Stated = Parameters | StatedDevice
@@ -46,10 +53,13 @@ class Leeway:
         parameter: name of the parameter.
         value: the device's own value.
         low, high: smallest and largest value such that all values tried between are reliable.
-        bounded_below, bounded_above: True if a value at most ``FINEST`` beyond was tried and is not
-            reliable; False if the scan ends there, after ``STEPS`` or at the parameter's bound.
+        bounded_below, bounded_above: True if a value beyond was tried and is not reliable, at most
+            ``FINEST`` away unless the border is ragged; False if the scan ends there, after
+            ``STEPS`` or at the parameter's bound.
         late_below, late_above: True if this value fails by the horizon only: a longer one may let
             it go in.
+        fails_below, fails_above: this value; None if the scan ends there.
+        ragged_below, ragged_above: True if values that fail lie among values that hold there.
     """
 
     parameter: str
@@ -60,6 +70,10 @@ class Leeway:
     bounded_above: bool
     late_below: bool = False
     late_above: bool = False
+    fails_below: float | None = None
+    fails_above: float | None = None
+    ragged_below: bool = False
+    ragged_above: bool = False
 
 
 @dataclass(frozen=True)
@@ -86,12 +100,14 @@ class _End(NamedTuple):
         value: the device's own value.
         alike: last value with the verdict of the device.
         other: first value with the other verdict, None if no value tried has it.
+        ragged: True if values of both verdicts were found in turn.
     """
 
     parameter: str
     value: float
     alike: float
     other: float | None
+    ragged: bool = False
 
 
 def leeways(
@@ -113,6 +129,7 @@ def leeways(
         right = {each.parameter for each in ends} - wrong
         again = iter(_ends(device, is_reliable, {*held, *right}))
         ends = [next(again) if each.parameter in wrong else each for each in ends]
+    ends = _unbroken(device, is_reliable, ends)
     beyond = [(each.parameter, each.other) for each in ends if each.other is not None]
     if is_late is not None and beyond:
         late = is_late(_swept(_own(device, held), beyond)).tolist()
@@ -120,8 +137,8 @@ def leeways(
     hang = [each.other is not None and next(found) for each in ends]
     return tuple(
         Leeway(d.parameter, d.value, d.alike, u.alike, d.other is not None, u.other is not None,
-               *hang[2 * n : 2 * n + 2])
-        for n, (d, u) in enumerate(zip(ends[::2], ends[1::2], strict=True))
+               below, above, d.other, u.other, d.ragged, u.ragged)
+        for d, u, below, above in zip(ends[::2], ends[1::2], hang[::2], hang[1::2], strict=True)
     )  # fmt: skip
 
 
@@ -220,7 +237,48 @@ def _ends(device: Stated, are_alike: IsReliable, held: Names) -> list[_End]:
 def _divided(ends: Sequence[float], count: int) -> list[float]:
     """Return the first of two or three values, and ``count`` values towards each next but one."""
     parts = [np.geomspace(*pair, count + 1)[1:] for pair in itertools.pairwise(ends)]
-    return [ends[0], *(_printed(value) for value in np.concatenate(parts)[:-1].tolist())]
+    return [ends[0], *map(_printed, np.concatenate(parts)[:-1].tolist())]
+
+
+def _unbroken(device: Stated, is_reliable: IsReliable, ends: Sequence[_End]) -> list[_End]:
+    """Return the ends of scans, moved inwards until the values tried inwards hold."""
+    own, found = {each.parameter: each.value for each in ends}, list(ends)
+    left = [i for i, end in enumerate(found) if end.other is not None]
+    while left:
+        rows = [(_inwards(device, found[i]), _beyond(device, found[i])) for i in left]
+        tried = [(found[i].parameter, value) for i, (inside, beyond) in zip(left, rows, strict=True)
+                 for value in (*inside[:-1], *beyond)]  # fmt: skip
+        holds, moved = iter(is_reliable(_swept(own, tried)).tolist()), []
+        for i, (inside, beyond) in zip(left, rows, strict=True):
+            fails = [n for n, _ in enumerate(inside[:-1]) if not next(holds)]
+            again, end = True in [next(holds) for _ in beyond], found[i]
+            if fails:
+                end = end._replace(alike=inside[fails[-1] + 1], other=inside[fails[-1]])
+            found[i] = end._replace(ragged=end.ragged or bool(fails) or again)
+            if fails or found[i].ragged > end.ragged:
+                moved.append(i)
+        left = moved
+    return found
+
+
+def _inwards(device: Stated, end: _End) -> list[float]:
+    """Return the values to try inwards from an end, it first, and the next one."""
+    assert end.other is not None  # noqa: S101 - the caller's
+    grows = abs(end.other) > abs(end.value)
+    ratio = 1.0 / (1.0 + FINEST) if grows else 1.0 + FINEST
+    row = _values(device, end.parameter, end.alike, ratio, UNBROKEN)
+    row = [each for each in row if (abs(each) > abs(end.value)) == grows and each != end.value]
+    if len(row) <= UNBROKEN:
+        return [*row, end.value]
+    across = np.geomspace(row[-1], end.value, ACROSS + 1).tolist() if end.ragged else []
+    return [*dict.fromkeys([*row, *map(_printed, across[1:-1])]), *across[-1:]]
+
+
+def _beyond(device: Stated, end: _End) -> list[float]:
+    """Return ``BEYOND`` values outwards from an end, without it."""
+    assert end.other is not None  # noqa: S101 - the caller's
+    ratio = 1.0 + FINEST if abs(end.other) > abs(end.value) else 1.0 / (1.0 + FINEST)
+    return _values(device, end.parameter, end.alike, ratio, BEYOND)[1:]
 
 
 def _printed(value: float) -> float:

@@ -18,14 +18,14 @@ import numpy as np
 import scipy
 
 from model.device import StatedDevice, Tolerance, load_device
-from model.device.cases import stated_case
+from model.device.cases import cases_of, stated_case
 from model.device.reliability import DeviceResults, Floats, need_vibration, run_devices
 from model.events.insertion import INSERTION
 from model.physics.parameters import FIELDS
 from model.physics.tables import Value
 from model.runs.settings import Settings
 from model.sweeps.settings import Ensemble
-from model.sweeps.starts import Starts, starts_of
+from model.sweeps.starts import Starts
 
 CONFIDENCE = 0.95
 QUANTILES = (0.05, 0.5, 0.95)
@@ -161,7 +161,8 @@ def yield_of(
 ) -> tuple[Yield, DeviceResults]:
     """Return the yield of a device with tolerances, and the results of the drawn devices.
 
-    The starts are those of the study by default, the settings the defaults in the insertion scene.
+    The starts, on every base if none is stated, are those of the study by default; the settings the
+    defaults in the insertion scene.
     Without ``indices`` no Sobol' indices are computed.
 
     Raises:
@@ -169,7 +170,7 @@ def yield_of(
     """
     if not isinstance(stated, StatedDevice):
         stated = load_device(stated)
-    starts = starts or starts_of(stated.parameters, Ensemble())
+    starts = starts or cases_of(stated, Ensemble())
     settings = settings or Settings(scene=INSERTION)
     if not stated.tolerances:
         raise ValueError(f"{stated.source}: no quantity has a tolerance, such as 10 N ± 5 %")

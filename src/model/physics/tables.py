@@ -54,10 +54,14 @@ class Value:
         )
         return f"{type(self).__name__}({', '.join(given)})"
 
+    def _shown(self) -> dict[str, Any]:
+        """Return the rows of the table by name."""
+        return vars_of(self)
+
     def _repr_html_(self) -> str:
         rows = "".join(
             f"<tr><th>{name}</th><td>{html.escape(_words(value))}</td></tr>"
-            for name, value in vars_of(self).items()
+            for name, value in self._shown().items()
         )
         return f"<table><caption>{html.escape(repr(self))}</caption>{rows}</table>"
 

@@ -18,6 +18,7 @@ from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 
 from model.events.outcomes import Outcome
 from model.show import style
+from model.show.si import readable
 from model.show.style import Bools, Floats
 from model.sweeps.vibration import ONLY_VIBRATED, added, success_of
 
@@ -54,6 +55,7 @@ _COLOURED_SHARE = 0.99  # share of the durations that the colour scale covers
 _DECADE = (1.0, 2.0, 3.0, 5.0)  # round numbers of a logarithmic scale
 _CONTOURS = 5  # approximate number
 _CONTOUR_NODES = 128  # nodes along a side from which contours are drawn, at most
+_LETTERS = 80  # of a legend in one row, at most
 _LEAST = 0.004  # share of the map; a contour around a smaller area is left out
 
 
@@ -61,13 +63,15 @@ def stability_map(dataset: xr.Dataset) -> Figure:
     """Draw durations in colour where the part aligns, hatching where it does not.
 
     Dots mark where it aligns and does not go in. Contours of the duration, and the outlines of the
-    reliable area and of the one that needs vibration, are drawn over it.
+    reliable area and of the one that needs vibration, are drawn over it. What is in SI units is
+    drawn in mm, ms, kN/m.
     """
+    dataset = readable(dataset)
     durations = np.ma.masked_invalid(dataset["tau_align"].values)
-    outcome, label = dataset["outcome"].values, style.NOT_ALIGNED
+    outcome, label, every = dataset["outcome"].values, style.NOT_ALIGNED, RELIABLE_LABEL
     if success_of(dataset) is Outcome.INSERTED:
         durations = np.ma.masked_where(outcome != Outcome.INSERTED, durations)
-        label = NOT_IN
+        label, every = NOT_IN, RELIABLE_LABEL.replace("aligns", "goes in")
     gaps = np.ma.getmaskarray(durations)
     with style.context():
         drawing = _Drawing(dataset)
@@ -87,7 +91,7 @@ def stability_map(dataset: xr.Dataset) -> Figure:
         drawing.borders(gaps)
         drawing.contours(durations)
         if "reliable" in dataset:
-            drawing.outline(dataset["reliable"] == 1, RELIABLE_LABEL, style.VERMILLION, "-")
+            drawing.outline(dataset["reliable"] == 1, every, style.VERMILLION, "-")
         if "unvibrated" in dataset:
             needed = dataset["unvibrated"].copy(data=added(dataset) == ONLY_VIBRATED)
             drawing.outline(needed, VIBRATION_LABEL, style.BLACK, "--")
@@ -145,10 +149,12 @@ class _Drawing:
 
     def with_legend(self) -> Figure:
         """Return the figure with its legend below."""
+        letters = sum(len(str(handle.get_label())) for handle in self.handles)
+        is_short = len(self.handles) < 4 and letters < _LETTERS
         self.figure.legend(
             handles=self.handles,
             loc="outside lower center",
-            ncols=len(self.handles) if len(self.handles) < 4 else 2,
+            ncols=len(self.handles) if is_short else 2,
             handler_map={PathPatch: HandlerPatch()},
             handleheight=1.4,
         )

@@ -2,7 +2,9 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from model.device.base import BASE, CENTRE
 from model.device.holder import RATIOS, natural_frequencies
@@ -21,9 +23,14 @@ from model.physics.quantities import (
 )
 from model.physics.units import UNITS, Units
 
+if TYPE_CHECKING:
+    import xarray as xr
+
 # Unit and its size in SI units: for values below 1, and for values from that size on.
 _SMALL = {LENGTH: ("mm", 1e-3), TIME: ("ms", 1e-3), SPEED: ("mm/s", 1e-3)}
 _LARGE = {STIFFNESS: [("GN/m", 1e9), ("MN/m", 1e6), ("kN/m", 1e3)], FORCE: [("kN", 1e3)]}
+_MICRO, _FINE = ("µm", 1e-6), 1e-4  # in drawings: of lengths that are all below 0.1 mm
+_SHOWN = {each.unit: each for each in (LENGTH, TIME, SPEED, STIFFNESS, FORCE)}
 DIGITS = 4
 
 
@@ -107,3 +114,26 @@ def display(value: float, quantity: Quantity) -> tuple[str, float]:
         if size >= one:
             return unit, one
     return ("" if quantity == PLAIN else quantity.unit), 1.0
+
+
+def readable(dataset: "xr.Dataset") -> "xr.Dataset":
+    """Return a dataset in SI units with its numbers in the units in which they are read.
+
+    Each variable is in the unit of its largest value, such as mm, ms or kN/m; lengths that are all
+    below 0.1 mm are in µm. Variables in other units, and dimensionless ones, stay as they are.
+    """
+    changed = {}
+    for name in map(str, dataset.variables):
+        variable = dataset[name]
+        quantity = _SHOWN.get(variable.attrs.get("units", ""))
+        whole = dataset.get(name.removeprefix("start_"), variable)  # a coarser grid is like it
+        sizes = np.abs(whole.values[np.isfinite(whole.values)]) if quantity else np.empty(0)
+        if quantity is None or not sizes.size:
+            continue
+        most = float(sizes.max())
+        unit, one = _MICRO if quantity == LENGTH and 0.0 < most < _FINE else display(most, quantity)
+        attributes = variable.attrs | {"units": unit}
+        changed[name] = (variable.dims, variable.values / one, attributes)
+    coordinates = {name: each for name, each in changed.items() if name in dataset.coords}
+    others = {name: each for name, each in changed.items() if name not in coordinates}
+    return dataset.assign_coords(coordinates).assign(others)
