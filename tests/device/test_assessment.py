@@ -68,7 +68,7 @@ def test_values_may_be_tried_roughly_and_an_end_never_is(device):
     found = leeways(device, is_reliable, roughly=roughly)
     # Exactly: the ends, the scan of the parameter that was wrong, and values about its ends.
     assert (len(rough), len(exact)) == (3, 5)
-    assert all((each["friction"] == device.friction).all() for each in exact)
+    assert not any("friction" in each and np.ptp(each["friction"]) for each in exact)
     assert found == leeways(device, is_reliable)
 
 
@@ -293,4 +293,4 @@ def test_python_keeps_the_start_of_the_file_and_asks_what_assess_asks(tmp_path):
         reliable_at(pressed)
         reliable_at(stated)
     assert {each.scene.name for each in asked} == {"insertion"}
-    assert [each.start for each in asked][::2] == ["pressed", None]
+    assert [*dict.fromkeys(each.start for each in asked)] == ["pressed", None]
