@@ -290,9 +290,8 @@ def test_the_verdicts_stand_beside_what_random_devices_and_other_assumptions_sho
     bits = sum(1.0 if place % 2 == 0 else 2.0 for place in places)
     assert f"The evidence is {bits:.0f} bits." in text
     all_bits = half + 2 * (every - half)
-    here = sum(half <= number for number in (every, half, 0, 0))  # the device shows half
-    assert f"on the same grid1{half}{half}{half}" in text
-    assert f"random devices40{half / 2:g}{every}{here}{half / 2:.0f}{all_bits}" in text
+    assert f"on the same grid1{every}{every}{every}1{all_bits}" in text  # the device shows all
+    assert f"random devices40{half / 2:g}{every}1{half / 2:.0f}{all_bits}" in text
     assert f"as there{half}0{every - half}{' '.join(c.id for c in CLAIMS[1::2])}" in text
 
 
