@@ -153,9 +153,7 @@ CASES: dict[str, Case] = {
     "F8f": case("rubbing", within(0.0, 0.6), 5.0),
     "F8g": case("fig08", lambda v, k: 5.0 if k > 3.0 + v else NAN, within(5.0, 30.0)),
     "F8h": case("fig08", lambda _, k: 1.0 / k, lambda _, k: k, of="tilt_max"),
-    "F8i": case(
-        "displaced", lambda _, k: 1.0 / k, lambda _, k: k, of="tilt_end", tau=within(8.0, 30.0)
-    ),
+    "F8i": case("displaced", 0.2, 0.1, of="tilt_end", tau=within(8.0, 30.0)),
     "F8j": case("fig08", lambda v, _: 5.0 + v, lambda v, _: 5.0 + 0.01 * v),
     "F9a": case("fig09", falling, rising),
     "F9b": case("fig09", lambda f, k: NAN if f > 2.0 and k < 10.0 else 5.0, 5.0),
@@ -240,9 +238,6 @@ CASES: dict[str, Case] = {
     "F14c": (
         {**runs("fig14", matched), **runs("fig08", lambda v, k: 5.0 if k > 3.0 * v else NAN)},
         {**runs("fig14", within(5.0, 20.0)), **runs("fig08", lambda v, _: 5.0 if v < 3 else NAN)},
-    ),
-    "C1d": case(
-        "coarse_13", lambda f, _: 5.0 if f <= 10.0 else NAN, lambda f, _: 5.0 if f <= 8.0 else NAN
     ),
     "C1a": case(
         "fig13", lambda f, k: 5.0 if k > 2.0 * f else NAN, lambda f, _: 5.0 if f < 4.0 else NAN

@@ -33,7 +33,7 @@ AXES: Mapping[str, tuple[str, Sequence[float] | np.ndarray, str, float, float]] 
     "rocking": ("press_force", [1.0], "tilt_stiffness", 15.0, 30.0),
     "rubbing": ("press_force", [1.0, 3.0], "friction", 0.0, 1.0),
     "by_frequency": ("frequency", [0.5, 10.0], "press_force", 0.25, 10.0),
-    "coarse_13": ("press_force", [8.0, 10.0, 15.0], "tilt_stiffness", 1.0, 30.0),
+    "coarse_13": ("press_force", [2.0, 5.0, 8.0], "tilt_stiffness", 1.0, 30.0),
     "fig13": ("press_force", np.linspace(0.25, 10.0, CELLS), "tilt_stiffness", 1.0, 30.0),
     "fig14": ("frequency", np.linspace(0.2, 15.0, CELLS), "tilt_stiffness", 1.0, 30.0),
 }

@@ -14,11 +14,11 @@ from model.show import jamming as jamming_plot
 from model.show.report.section import Results, Section, Table, settings_of
 from model.show.words import figure_title, percent, short
 from model.study.claims import VERDICTS, Tables, tally
-from model.study.claims.ledger import read_ledger
+from model.study.claims.ledger import Line, read_ledger
 from model.study.claims.regime import regime_of
 from model.study.config.figures import COMPUTED
 from model.study.evidence.worth import is_shown_by_nearly_any, shown_by, shown_by_own, summary
-from model.study.identification.hold_out import measured
+from model.study.identification import hold_out
 from model.study.jamming import entered, in_jamming_diagram, jammed, wedging_side
 from model.sweeps.vibration import overshoot_of
 
@@ -88,11 +88,13 @@ def claims(results: Results) -> Section:
     content = {
         "tally": tally([line.verdict for line in lines]),
         "worth": summary(lines, null),
+        "by_kind": _by_kind(lines),
         "draws": _draws(null, assumptions),
         "null_horizon": short(results.study.evidence.grid.horizon),
         "assumptions": _assumptions(assumptions),
         "nearly_any": is_shown_by_nearly_any,
         "hold_out": _hold_out(),
+        "hold_out_words": hold_out.summary(),
         "lines": lines,
         "signs": SIGNS,
         "source": source,
@@ -106,6 +108,15 @@ def claims(results: Results) -> Section:
     }
     template = _FOLDER / "findings.claims.html.j2"
     return Section("claims", "What the paper says, judged", template, content)
+
+
+def _by_kind(lines: Sequence[Line]) -> str:
+    """Return in a sentence how many conclusions are reproduced, and how much of all else."""
+    numbers = []
+    for is_concluded in (True, False):
+        of = [x.verdict for x in lines if x.demand and (x.kind == "conclusion") == is_concluded]
+        numbers.append(f"{of.count('reproduced')} of {len(of)}")
+    return "Of the conclusions {} are reproduced, of all else {}.".format(*numbers)
 
 
 def _draws(null: xr.Dataset, assumptions: xr.Dataset) -> Table:
@@ -137,7 +148,7 @@ def _assumptions(dataset: xr.Dataset) -> Table:
 
 def _hold_out() -> Table:
     """List what a search on half of the figures shows of the other, beside random structures."""
-    counts = measured().set_index(["half", "points", "structure"])
+    counts = hold_out.measured().set_index(["half", "points", "structure"])
 
     def spread(*which: str) -> str:
         if which not in counts.index:
@@ -151,7 +162,7 @@ def _hold_out() -> Table:
         for half, (points, words) in itertools.product(counts.index.unique("half"), POINTS.items())
     ]  # fmt: skip
     heads = ">claims", ">random structures show", ">the structure found shows"
-    return Table(("not seen", "judged by", *heads), rows)
+    return Table(("half not seen", "judged by", *heads), rows)
 
 
 # --- Jamming ------------------------------------------------------------------------------------

@@ -92,9 +92,9 @@ def steeper_fall_at_first(of: Array, over: Array) -> float:
 
 
 def bend(of: Array, over: Array) -> float:
-    """Return the absolute ``asymmetry`` of the slopes in the first and second half."""
+    """Return the absolute ``asymmetry`` of the slopes of the two halves, -1 if it falls in one."""
     first, second = _halves(of, over)
-    return abs(asymmetry(slope(*first), slope(*second)))
+    return max(_steeper(first, second), _steeper(second, first))
 
 
 def longer_at_first(of: Array, over: Array) -> float:

@@ -91,9 +91,9 @@ def summary(lines: Iterable[Line], null: "xr.Dataset") -> str:
     judged = [line for line in lines if line.demand]
     own = sum(line.verdict == "reproduced" for line in judged)
     random = shown_by(null)[0].numbers
-    trivial = sum(map(is_shown_by_nearly_any, judged))
+    trivial = sum(is_shown_by_nearly_any(each) for each in judged if each.bits)
     return (
         f"{own} of {len(judged)} reproduced, where {random.size} random devices show "
-        f"{random.min()} to {random.max()} (median {np.median(random):g}); {trivial} are shown "
-        f"by nearly any of them. The evidence is {evidence(judged):.0f} bits."
+        f"{random.min()} to {random.max()} (median {np.median(random):g}); nearly any of them "
+        f"shows {trivial} of the {own}. The evidence is {evidence(judged):.0f} bits."
     )

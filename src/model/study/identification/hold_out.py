@@ -126,6 +126,17 @@ def summary_of(halves: Mapping[str, pd.DataFrame]) -> tuple[pd.DataFrame, pd.Dat
     )
 
 
+def summary() -> str:
+    """Return in a sentence what was found of the figures that a search has not seen."""
+    counts = measured().query("points != 'seen'").groupby(_HOW)[["mean", "claims"]].sum()
+    searched, random = (counts.loc[each, "mean"] for each in ("searched", "random"))
+    return (
+        f"In figures that a search has not seen, the structures that it finds show "
+        f"{searched.min():.0f} to {searched.max():.0f} of {counts['claims'].max()} claims, random "
+        f"structures {random.min():.0f} to {random.max():.0f}"
+    )
+
+
 def measured() -> pd.DataFrame:
     """Return how many claims devices show, as ``make hold-out`` last found: hold_out.csv."""
     return pd.read_csv(Path(__file__).with_suffix(".csv"))
