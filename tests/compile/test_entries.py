@@ -119,6 +119,13 @@ def test_an_array_that_is_read_only_is_read_only() -> None:
         compiled(kernel_of("w[1] = 2.0", "w"))(w)
 
 
+def test_an_empty_array_is_of_the_type_of_others(made: list[str], folder: object) -> None:
+    assert folder
+    rows = compiled(kernel_of("return w.shape[0]", "w"))
+    assert [rows(np.empty((0, 3))), rows(np.ones((2, 3)))] == [0, 2]
+    assert len(made) == 1
+
+
 def test_static_objects_are_part_of_the_kernel(made: list[str], folder: object) -> None:
     assert folder
     module = load(KERNELS)

@@ -222,8 +222,8 @@ def assess(
         return are_reliable(device, values, hardest, settings, cores)
 
     def roughly(values: Values) -> NDArray[np.bool_]:
-        least = max(settings.tolerance, STATISTICAL_TOLERANCE)
-        return are_reliable(device, values, hardest, replace(settings, tolerance=least), cores)
+        loose = replace(settings, tolerance=STATISTICAL_TOLERANCE)
+        return are_reliable(device, values, hardest, loose, cores)
 
     def is_late(values: Values) -> NDArray[np.bool_]:
         return are_late(device, values, cases, settings, cores)
@@ -243,7 +243,8 @@ def assess(
     )
     held = _held(device, cases)
     if goes_in.all():
-        ranges = leeways(device, is_reliable, is_late, held, roughly) if vary else ()
+        quicker = roughly if settings.tolerance < STATISTICAL_TOLERANCE else None
+        ranges = leeways(device, is_reliable, is_late, held, quicker) if vary else ()
         return replace(result, leeways=ranges)
     failing = cases[int(np.argmin(goes_in))]
     failed = simulate_once(parameters_in(device, failing), settings)

@@ -119,17 +119,10 @@ def leeways(
 ) -> tuple[Leeway, ...]:
     """Return the leeways of a reliable device.
 
-    ``is_late`` tells where devices fail by the horizon only; ``held`` are not varied. Values are
-    tried by ``roughly``, if given, and the ends found by ``is_reliable``, which then decides anew
-    on parameters with a wrong end.
+    ``is_late`` tells where devices fail by the horizon only; ``held`` are not varied. The steps are
+    tried by ``roughly``, if given; ends, and parts of steps, by ``is_reliable``.
     """
-    ends, late = _ends(device, roughly or is_reliable, held), []
-    wrong = set() if roughly is None else _with_wrong_ends(device, ends, is_reliable, held)
-    if wrong:
-        right = {each.parameter for each in ends} - wrong
-        again = iter(_ends(device, is_reliable, {*held, *right}))
-        ends = [next(again) if each.parameter in wrong else each for each in ends]
-    ends = _unbroken(device, is_reliable, ends)
+    ends, late = _unbroken(device, is_reliable, _ends(device, is_reliable, held, roughly)), []
     beyond = [(each.parameter, each.other) for each in ends if each.other is not None]
     if is_late is not None and beyond:
         late = is_late(_swept(_own(device, held), beyond)).tolist()
@@ -200,18 +193,9 @@ def a_step_inside(
     return change
 
 
-def _with_wrong_ends(
-    device: Stated, ends: Sequence[_End], is_reliable: IsReliable, held: Names
-) -> set[str]:
-    """Return the parameters with an end that is not reliable, or reliable beyond it."""
-    tried = [(each.parameter, each.alike, each.other) for each in ends if each.other is not None]
-    values = [(name, value) for name, *both in tried for value in both]
-    found = is_reliable(_swept(_own(device, held), values)).tolist() if values else []
-    right = zip(found[::2], found[1::2], strict=True)
-    return {name for (name, *_), pair in zip(tried, right, strict=True) if pair != (True, False)}
-
-
-def _ends(device: Stated, are_alike: IsReliable, held: Names) -> list[_End]:
+def _ends(
+    device: Stated, are_alike: IsReliable, held: Names, roughly: IsReliable | None = None
+) -> list[_End]:
     """Return the end of the scan of each value that is not 0, downwards and upwards in turn."""
     own = _own(device, held)
     names = [name for name, value in own.items() if value != 0.0 for _ in range(2)]
@@ -219,8 +203,18 @@ def _ends(device: Stated, are_alike: IsReliable, held: Names) -> list[_End]:
         _values(device, name, own[name], ratio)
         for name, ratio in zip(names, itertools.cycle((1.0 / STEP, STEP)), strict=False)
     ]
-    judged: dict[tuple[str, float], bool] = {}
-    known = _leading(own, names, scans, are_alike, judged)
+    judged: dict[tuple[str, float], bool] = {}  # by ``are_alike``
+    known = _leading(own, names, scans, roughly or are_alike, {} if roughly else judged)
+    ended = [i for i, (values, n) in enumerate(zip(scans, known, strict=True)) if n < len(values)]
+    if roughly is not None and ended:
+        some = {name: own[name] for name in names}
+        alike = are_alike(_swept(some, [(names[i], scans[i][known[i]]) for i in ended])).tolist()
+        wrong = [i for i, still in zip(ended, alike, strict=True) if still]
+        again = _leading(
+            own, [names[i] for i in wrong], [scans[i] for i in wrong], are_alike, judged
+        )
+        for i, n in zip(wrong, again, strict=True):
+            known[i] = n
     for count in PARTS:
         open_ones = [i for i, (values, n) in enumerate(zip(scans, known, strict=True))
                      if n < len(values)]  # fmt: skip
@@ -297,7 +291,7 @@ def _leading(
     Verdicts are added to ``judged``; values that have one are not tried again.
     """
     both = list(zip(names, scans, strict=True))
-    values = {(name, value): None for name, scan in both for value in scan[1:]}
+    values = dict.fromkeys((name, value) for name, scan in both for value in scan[1:])
     if tried := [each for each in values if each not in judged]:
         some = {name: own[name] for name in names}
         judged |= zip(tried, are_alike(_swept(some, tried)).tolist(), strict=True)

@@ -134,8 +134,8 @@ def from_unit_cube(stated: StatedDevice, points: Floats) -> dict[str, Floats]:
 
 def drawn(stated: StatedDevice, count: int, seed: int = 0) -> dict[str, Floats]:
     """Return quantities of ``count`` devices, a power of two, drawn as scrambled Sobol' points."""
-    points = scipy.stats.qmc.Sobol(len(stated.tolerances), rng=np.random.default_rng(seed)).random(count)
-    return from_unit_cube(stated, points)
+    points = scipy.stats.qmc.Sobol(len(stated.tolerances), rng=np.random.default_rng(seed))
+    return from_unit_cube(stated, points.random(count))
 
 
 def check_devices(count: float) -> int:
