@@ -375,7 +375,7 @@ def _expected(
 
 def tried_of(keys: Sequence[Setting], rows: Any, free: Mapping[str, Any]) -> Tried:
     """Return the results of settings as columns."""
-    columns, settings = np.array(rows, dtype=np.float64).T, np.array(keys).T
+    columns, settings = np.array(rows, dtype=np.float64).T.copy(), np.array(keys).T.copy()
     return Tried(
         dict(zip(free, settings, strict=True)),
         columns[0],
