@@ -158,7 +158,9 @@ def test_the_nearest_setting_names_the_limits_that_it_passes(capsys, peg):
     words = "goes in and keeps the limits with all devices within the tolerances"
     assert said.startswith(f"no setting of those tried {words}\nnearest to it ")
     nearest = re.search(
-        r"(\d+) of 64 drawn devices go in; largest time (.*), over the limit of 60 ms\n", said
+        r"(\d+) of 64 drawn devices go in; its largest time (.*) exceeds the limit of 60 ms "
+        r"\((?:\+[\d.e+]+ %|[\d.]+ times as much)\)\n",
+        said,
     )
     assert f"largest time           {nearest[2]} until alignment" in said
     binds = next(line for line in said.splitlines() if line.startswith("what binds"))
@@ -226,3 +228,47 @@ def test_a_device_that_goes_in_nowhere_is_told_the_cause_and_that_no_range_helps
     assert "what to widen          tilt_stiffness up to 0.5 N m/rad: no better (tried)" in said
     assert "what to widen          tilt_stiffness down to 0.1 N m/rad: no better (tried)" in said
     assert "what to relax          time: not enough alone; " in said
+
+
+def test_the_verdict_on_the_nearest_setting_says_by_how_much_it_exceeds_a_limit(capsys, peg):
+    assert cli.main(["design", "--device", peg("contact_force: 8 N"), *QUICK, *BASE]) == cli.FAILED
+    lines = capsys.readouterr().out.splitlines()
+    words = r", but its largest contact_force ([\d.]+) N exceeds the limit of 8 N \((.*)\)$"
+    [verdict] = [line for line in lines if line.startswith("verdict")]
+    force, more = re.search(words, verdict).groups()
+    ratio = float(force) / 8.0
+    assert ratio > 1.0
+    said = f"{100.0 * (ratio - 1.0):+.2g} %" if ratio < 2.0 else f"{ratio:.3g} times as much"
+    assert more == said
+    assert words_of_python(peg("contact_force: 8 N")).endswith("; exceeds contact_force>")
+
+
+def words_of_python(path):
+    device = replace(load_device(path, {"contact_stiffness": "300 kN/m"}), horizon=0.6)
+    return repr(vibralign.design(device, generations=1, population=5, devices=64))
+
+
+def test_an_interrupt_of_the_search_prints_the_best_so_far(capsys, peg, tmp_path, monkeypatch):
+    out, quick, calls = tmp_path / "design.nc", design_trials.Trials.quick, []
+
+    def interrupted(self, points):
+        calls.append(points)
+        if len(calls) == 2:
+            raise KeyboardInterrupt
+        return quick(self, points)
+
+    monkeypatch.setattr(design_trials.Trials, "quick", interrupted)
+    given = ["design", "--device", peg("contact_force: 60 N"), *QUICK, *BASE, "--out", str(out)]
+    assert cli.main(given) == cli.INTERRUPTED
+    printed, told = capsys.readouterr()
+    assert printed == ""
+    assert not out.exists()
+    best = re.search(
+        r"best of 5 settings so far, .*: tilt_stiffness = (\S+) N m/rad; by them it", told
+    )
+    command = f"vibralign assess --device {given[2]} --set 'contact_stiffness=300 kN/m' "
+    assert f"Check it: {command}--set tilt_stiffness={best[1]}\n" in told
+    assert told.endswith("vibralign: interrupted\n")
+    calls[:] = [None]
+    assert cli.main(given) == cli.INTERRUPTED
+    assert "no setting was tried yet" in capsys.readouterr().err

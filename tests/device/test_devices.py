@@ -50,6 +50,23 @@ def test_a_changed_value_keeps_its_tolerance(tmp_path):
         load_device(path, {"misalignment": "10 mm ± 0.2 mm"})
 
 
+REFUSED_FREE = {
+    "clearance: -0.01 to 0.05": "no play or an interference",
+    "clearance: 0 to 5 %": "no play or an interference",
+    "press_force: -4 to 12 N": "free: press_force = -4.0: must be > 0, or nothing presses",
+    "friction: -0.1 to 0.2": "free: friction = -0.1: must be a finite number >= 0",
+    "mass: 0 to 1 kg": "free: mass = 0.0: must be a finite number > 0",
+    "misalignment: 0.5 to 60 mm": "free: misalignment = 0.06: must be smaller than half_width",
+    "friction: a lot": "must be a range such as 2 to 30$",
+}
+
+
+@pytest.mark.parametrize(("free", "words"), REFUSED_FREE.items())
+def test_a_range_that_breaks_the_rule_of_its_quantity_is_refused(tmp_path, free, words):
+    with pytest.raises(ValueError, match=words):
+        load_device(peg(tmp_path, more=f"\nfree: {{{free}}}\n"))
+
+
 def test_free_quantities_and_limits_are_read(tmp_path):
     more = "free: {press_force: 2 to 30 N}\nlimits: {contact_force: 60 N, tilt: 10 deg}\n"
     stated = load_device(peg(tmp_path, more))

@@ -11,6 +11,7 @@ from enum import Enum
 from functools import partial
 from pathlib import Path
 
+import joblib
 import numpy as np
 import pytest
 
@@ -100,7 +101,6 @@ def test_it_comes_back_from_another_process(elsewhere, n):
 
 
 def test_joblib_has_one_key_for_equal_values():
-    joblib = pytest.importorskip("joblib")
     assert joblib.hash(VALUES) == joblib.hash(copy.deepcopy(VALUES))
     assert joblib.Parallel(2)(joblib.delayed(echo)(each) for each in VALUES) == VALUES
 

@@ -2,6 +2,7 @@
 
 import argparse
 import os
+import sys
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -24,6 +25,7 @@ from model.cli.design_words import (
     proposal_words,
     record,
     report,
+    so_far,
 )
 from model.cli.files import check_file, check_picture, writing
 from model.cli.progress import ProgressLine
@@ -52,7 +54,8 @@ def add(commands: Any) -> None:
         "which all devices within the tolerances go in, the best is the one whose nearest failure "
         "is farthest, then the fastest. It is checked as `vibralign assess` checks it; if it does "
         "not hold, the next best is. This is printed and written. Then what binds is widened, and "
-        "tried with as many runs as the search took; an interrupt ends this part only.",
+        "tried with as many runs as the search took; an interrupt ends this part only. One before "
+        "prints the best setting so far, not checked, and writes nothing.",
         epilog="exit code: 0 a setting keeps the limits; 1 none of those tried does; 2 bad input",
     )
     add_model_options(parser, scene="insertion")
@@ -80,7 +83,7 @@ def _design(arguments: argparse.Namespace) -> int:
         for name, least in (("generations", 1), ("population", 5), ("seed", 0))
     )
     given = read_inputs(arguments)
-    from model.device.design import search, trials_of  # noqa: PLC0415  (only this command)
+    from model.device.design import Known, search, trials_of  # noqa: PLC0415  (only this command)
 
     assert given.stated is not None  # noqa: S101  (--device is given)
     trials = trials_of(
@@ -88,10 +91,15 @@ def _design(arguments: argparse.Namespace) -> int:
         number("devices", arguments.devices),
     )  # fmt: skip
     announce_compilation()
-    with ProgressLine() as line:
-        design, known = search(trials, generations, population, line.begin)
-        line.begin("recommended setting, as assess has it")
-        answer = Answer(design, trials, _assessed(design, trials, given))
+    known: Known = {}
+    try:
+        with ProgressLine() as line:
+            design, _ = search(trials, generations, population, line.begin, known)
+            line.begin("recommended setting, as assess has it")
+            answer = Answer(design, trials, _assessed(design, trials, given))
+    except KeyboardInterrupt:
+        print(f"vibralign: {so_far(trials, known)}", file=sys.stderr)
+        raise
     assumed = assumptions_with(
         trials.stated, design.setting, given.settings, given.study.maps.ensemble,
         tolerances_assumed=trials.stated is not given.stated,

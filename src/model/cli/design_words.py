@@ -1,5 +1,6 @@
 """Words and records of ``vibralign design``: a design, and the changes that were tried."""
 
+import shlex
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -13,7 +14,7 @@ from model.show.si import named_words, quantity_of, si_words
 
 if TYPE_CHECKING:
     from model.device.assess import Assessment
-    from model.device.design import Design
+    from model.device.design import Design, Known
     from model.device.design_changes import Change, Proposal
     from model.device.design_trials import Trials
     from model.runs.settings import Settings
@@ -33,7 +34,8 @@ class Answer(NamedTuple):
         """The verdict on the recommended setting, as ``assess`` gives it."""
         check = self.design.check
         if check is not None and check.devices:
-            return headline(self.assessed, check)
+            passed = " and ".join(_excess(self.design, name) for name in self.design.passed)
+            return headline(self.assessed, check) + (f", but {passed}" if passed else "")
         words = headline(self.assessed, None).partition(";")[0]
         return f"{words}; no others within the tolerances were tried"
 
@@ -44,6 +46,25 @@ class Changes(NamedTuple):
     tried: "list[Change]"
     left: "Sequence[Proposal]" = ()
     why: str = ""
+
+
+def so_far(trials: "Trials", known: "Known") -> str:
+    """Return a line on the best setting of a search that is interrupted."""
+    from model.device.design import tried_of  # noqa: PLC0415  (scipy)
+
+    if not known:
+        return "no setting was tried yet"
+    stated, source = trials.stated, shlex.quote(str(trials.stated.source))
+    tried = tried_of([*known], [*known.values()], stated.free)
+    best = int(tried.score(stated.limits).argmin())
+    setting = {name: float(values[best]) for name, values in tried.settings.items()}
+    holds = "keeps" if tried.keeps(stated.limits)[best] else "does not keep"
+    changes = stated.changes | {name: f"{value:.4g}" for name, value in setting.items()}
+    sets = " ".join(f"--set {shlex.quote(f'{name}={value}')}" for name, value in changes.items())
+    return (
+        f"best of {len(known):,} settings so far, by quick trials: {named_words(setting)}; by them "
+        f"it {holds} what is asked. Check it: vibralign assess --device {source} {sets}"
+    )
 
 
 def report(answer: Answer) -> list[str]:
@@ -88,18 +109,26 @@ def report(answer: Answer) -> list[str]:
 
 def _faults(design: "Design") -> list[str]:
     """Return how many devices go in at a setting that does not hold, and the limits it passes."""
-    tried, best, check = design.tried, design.best, design.check
+    check = design.check
     if check is None or not check.devices:
         return ["as stated it does not go in"]
     words = [f"{check.going_in:,} of {check.devices:,} drawn devices go in"]
-    for name in design.passed:
-        if name == "vibration":
-            words.append(f"the vibration is not always {_asked(design.limits[name])}")
-            continue
-        values = tried.measures[name][best], design.limits[name]
-        value, limit = (si_words(float(each), MEASURES[name]) for each in values)
-        words.append(f"largest {name} {value}, over the limit of {limit}")
-    return words
+    return words + [_excess(design, name) for name in design.passed]
+
+
+def _excess(design: "Design", name: str) -> str:
+    """Return by how much the recommended setting passes a limit."""
+    if name == "vibration":
+        return f"the vibration is not always {_asked(design.limits[name])}"
+    values = float(design.tried.measures[name][design.best]), design.limits[name]
+    value, limit = (si_words(each, MEASURES[name]) for each in values)
+    return f"its largest {name} {value} exceeds the limit of {limit} ({_more(*values)})"
+
+
+def _more(value: float, than: float) -> str:
+    """Return how much more a value is: per cent, or from the double on the factor."""
+    ratio = value / than
+    return f"{100.0 * (ratio - 1.0):+.2g} %" if ratio < 2.0 else f"{ratio:.3g} times as much"
 
 
 def _binding(design: "Design") -> list[str]:
@@ -155,7 +184,7 @@ def change_line(design: "Design", change: "Change") -> str:
         else:
             quantity, limit = MEASURES[name], design.limits[name]
             ends = f"{si_words(limit, quantity)} to {si_words(change.value, quantity)}"
-            words = f"{name} from {ends} ({100.0 * (change.value / limit - 1.0):+.2g} %)"
+            words = f"{name} from {ends} ({_more(change.value, limit)})"
         return _line("what to relax", f"{words}: {gives}")
     quantity = MEASURES[name] if kind == "limit" else quantity_of(name)
     words = f"{_WIDER[kind].format(name)} {si_words(change.value, quantity)}: "

@@ -80,13 +80,7 @@ def read_amount(name: str, given: object, unit: str, frequency: float | None = N
 def _read_amount(name: str, given: object, unit: str) -> Amount:
     if given is None:
         raise ValueError(f"{name} is not filled in: {_rule(unit)}")
-    stated = _AMOUNT.fullmatch(plain(str(given))) if name == "clearance" else None
-    if stated and float(stated[1]) <= 0.0 and not stated[2].startswith(","):  # 0,1 is refused below
-        raise ValueError(
-            f"{name} = {given!r}: no play or an interference (a transition fit) is not modelled: "
-            "the hole must be wider than the part. State the smallest clearance > 0 of the pairs "
-            "that have play, (hole - peg) / peg, and count the others as not going in"
-        )
+    _check_play(name, given, plain(str(given)))
     if isinstance(given, (int, float)) and not isinstance(given, bool):
         return Amount(float(given))
     if not isinstance(given, str):
@@ -105,6 +99,17 @@ def _read_amount(name: str, given: object, unit: str) -> Amount:
     if not 0.0 <= tolerance.width < math.inf:
         raise ValueError(f"{name} = {given!r}: the tolerance must be >= 0")
     return Amount(value, tolerance if tolerance.width > 0.0 else None)
+
+
+def _check_play(name: str, given: object, text: str) -> None:
+    """Refuse a clearance, or an end of its range, with which the hole is not the wider."""
+    stated = _AMOUNT.fullmatch(text) if name == "clearance" else None
+    if stated and float(stated[1]) <= 0.0 and not stated[2].startswith(","):  # 0,1 is refused later
+        raise ValueError(
+            f"{name} = {given!r}: no play or an interference (a transition fit) is not modelled: "
+            "the hole must be wider than the part. State the smallest clearance > 0 of the pairs "
+            "that have play, (hole - peg) / peg, and count the others as not going in"
+        )
 
 
 def _with_tolerance(
@@ -172,7 +177,9 @@ def _to_peak(
 def _read_range(name: str, given: object, unit: str) -> tuple[float, float]:
     ends = ends_of(plain(given)) if isinstance(given, str) else []
     if not ends:
-        raise ValueError(f"{name} = {given!r}: must be a range such as 2 to 30 {unit}")
+        example = "2 to 30" if unit == "1" else f"2 to 30 {unit}"
+        raise ValueError(f"{name} = {given!r}: must be a range such as {example}")
+    _check_play(name, given, ends[0])
     high = _number(name, given, ends[1], unit)
     suffix = "" if _unit_of(ends[0]) else _unit_of(ends[1])
     low = _number(name, given, f"{ends[0]} {suffix}", unit)

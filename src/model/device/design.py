@@ -111,17 +111,18 @@ class Design(Value):
     free: Mapping[str, tuple[float, float]]
 
     def __repr__(self) -> str:
-        words = "recommended" if self.feasible else "none keeps the limits; nearest"
+        words = "recommended" if self.feasible else "none found; nearest"
         setting = ", ".join(f"{n} = {v:.4g} {unit_of(n)}" for n, v in self.setting.items())
-        return f"<Design: {words} {setting}>".replace(" 1>", ">").replace(" 1,", ",")
+        setting = f"{setting},".replace(" 1,", ",")[:-1]
+        return f"<Design: {words} {setting}{''.join(f'; exceeds {n}' for n in self.passed)}>"
 
     def _shown(self) -> dict[str, Any]:
         """Return the results of the recommended setting by name, SI units."""
         tried, best = self.tried, self.best
-        measures = {name: float(each[best]) for name, each in tried.measures.items()}
-        results = {"share": float(tried.share[best]), "margin": float(tried.margin[best])}
+        results = {"share": tried.share, "margin": tried.margin, **tried.measures}
+        numbers = {name: float(each[best]) for name, each in results.items()}
         checked = {} if self.check is None else {"devices": self.check.devices}
-        return self.setting | results | checked | measures | {"binding": ", ".join(self.binding)}
+        return self.setting | numbers | checked | {"binding": ", ".join(self.binding)}
 
     @property
     def check(self) -> Check | None:
@@ -208,17 +209,16 @@ def design(
 
     Args:
         device: of a file, as ``simulate`` takes it; it states what is free, and its limits.
-        settings: settings of the runs; None for the defaults, in the insertion scene.
-        ensemble: the starts; None for those of the study.
-        cores: number of threads.
+        settings: as for ``assess``.
+        ensemble: as for ``assess``.
+        cores: as for ``assess``.
         generations: of the search.
         population: settings a generation.
         seed: of the search.
         devices: number of devices of a check, a power of two.
 
     Raises:
-        TypeError: a dimensionless device.
-        ValueError: nothing is free, or a number that is no power of two.
+        TypeError, ValueError: a dimensionless device; nothing is free, or no power of two.
     """
     trials = trials_of(device, settings, ensemble, cores, seed, devices)
     return search(trials, generations, population)[0]
@@ -262,19 +262,20 @@ def search(
     generations: int,
     population: int,
     tell: Callable[[str], None] = lambda _: None,
+    known: Known | None = None,
 ) -> tuple[Design, Known]:
     """Return the best setting of a device, and the results of all quick trials.
 
     Args:
-        trials: trials of its settings; their seed is also that of the optimiser.
+        trials: of its settings; their seed is also that of the optimiser.
         generations: of differential evolution.
         population: settings a generation.
         tell: called with the step under way, in words, and of how many it is one.
+        known: filled with the results; an interrupt leaves those so far in it.
     """
     free, limits = trials.stated.free, trials.stated.limits
     low, high = np.array(list(free.values())).T
-    known: Known = {}
-    done = 0
+    known, done = {} if known is None else known, 0
 
     def score(points: Floats) -> Floats:
         keys = [rounded(point, free) for point in np.atleast_2d(points.T).tolist()]
@@ -374,7 +375,7 @@ def _expected(
 
 def tried_of(keys: Sequence[Setting], rows: Any, free: Mapping[str, Any]) -> Tried:
     """Return the results of settings as columns."""
-    columns, settings = np.array(rows, dtype=np.float64).T, np.array(keys).T
+    columns, settings = np.array(rows, dtype=np.float64).T.copy(), np.array(keys).T.copy()
     return Tried(
         dict(zip(free, settings, strict=True)),
         columns[0],

@@ -254,6 +254,7 @@ def load_device(path: Path | str, changes: Mapping[str, object] | None = None) -
         device(_of_holder_and_part(known))
         stated.admitted({})
         _check_tolerances(stated)
+        _check_free(stated)
     except ValueError as error:
         raise DeviceError(f"{path}: {error}") from None
     return stated
@@ -367,3 +368,14 @@ def _check_tolerances(stated: StatedDevice) -> None:
         stated.at(worst)
     except ValueError as error:
         raise ValueError(f"at the ends of the tolerances: {error}") from None
+
+
+def _check_free(stated: StatedDevice) -> None:
+    """Refuse ranges with an end that breaks the rule of its quantity."""
+    for name, ends in stated.free.items():
+        for end in ends:
+            try:
+                check_press(end if name == "press_force" else 1.0)
+                stated.at({name: end})
+            except ValueError as error:
+                raise ValueError(f"free: {error}") from None

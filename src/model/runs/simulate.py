@@ -114,17 +114,20 @@ def simulate_once(parameters: Parameters, settings: Settings) -> Trajectory:
         track = np.empty((int(result.tracked), TRACK_COLUMNS))
     results = {**result._asdict(), "tau_error": math.nan, "sensitive": False}
     results["insertion_error"] = math.nan
-    return _trajectory(parameters, results, track[: int(result.tracked)].copy())
+    return _trajectory(parameters, results, track[: int(result.tracked)])
 
 
 def _trajectory(parameters: Parameters, results: Mapping[str, Any], track: Array) -> Trajectory:
-    """Make the trajectory of a run from its results, by name, and its track."""
-    time, *columns = track.T
+    """Make the trajectory of a run from its results, by name, and its track.
+
+    Columns are copied, so that copies are like them in memory too: joblib's keys follow this.
+    """
+    time, *columns = track.T.copy()
     variables = dict(zip(TRACK_VARIABLES, columns, strict=True))
     return Trajectory(
         parameters=parameters,
         time=time,
-        state=track[:, 1 : 1 + STATE_SIZE],
+        state=track[:, 1 : 1 + STATE_SIZE].copy(),
         contact_force=variables["contact_force"],
         side_force=variables["side_force"],
         right_force=variables["right_force"],
