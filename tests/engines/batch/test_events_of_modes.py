@@ -64,7 +64,7 @@ def test_masks_hold_every_event_that_applies(scene: Scene, is_round: bool) -> No
     assert left_out > held
 
 
-@pytest.mark.parametrize("sets", [30, pytest.param(100, marks=pytest.mark.nightly)])
+@pytest.mark.parametrize("sets", [60, pytest.param(100, marks=pytest.mark.nightly)])
 @pytest.mark.parametrize("shape", ["square", "round"])
 @pytest.mark.parametrize("scene", [ALIGNMENT, INSERTION], ids=lambda scene: scene.name)
 def test_every_mode_that_runs_meet_has_been_listed(scene: Scene, shape: Shape, sets: int) -> None:
