@@ -29,7 +29,6 @@ from model.engines.scalar.step import state_of, store_in
 from model.events.event_functions import (
     FLAT,
     LARGEST_TILT,
-    corner_positions,
     corners_outside,
     edge_inside,
     largest,
@@ -37,6 +36,7 @@ from model.events.event_functions import (
 )
 from model.events.kernels import in_kernels
 from model.events.scenes import ALIGNMENT
+from model.events.sources import corner_positions
 from model.physics.contacts import contact_load, corner_on_flat, edge_on_face, edge_on_side
 from model.physics.forces import applied_forces
 from model.physics.geometry import bottom_corner

@@ -52,7 +52,7 @@ def test_a_map_is_written_and_drawn_for_any_device(tmp_path, capsys):
 
 
 def test_a_dimensionless_map_of_a_round_part_is_round(tmp_path):
-    given = ["--shape", "round", "--set", "misalignment=0.6"]
+    given = ["--shape", "round", "--set", "misalignment=0.6", "--resolution", "3"]
     assert run(tmp_path, *given) == cli.DONE
     with xr.open_dataset(tmp_path / "map.nc") as stored:
         force, stiffness = (stored[name].values for name in ("press_force", "tilt_stiffness"))

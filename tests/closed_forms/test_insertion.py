@@ -12,9 +12,10 @@ import numpy as np
 import pytest
 
 from model import INSERTION, Outcome
-from model.events.event_functions import corner_positions, edge_inside
+from model.events.event_functions import edge_inside
 from model.events.friction import decide_friction
 from model.events.outcomes import Reason
+from model.events.sources import corner_positions
 from model.physics.contacts import corner_on_wall, edge_on_face, edge_on_side
 from model.physics.modes import CLOSED, OPEN, START, STICKING
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State

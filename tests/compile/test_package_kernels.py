@@ -14,10 +14,11 @@ import model.events
 import model.physics
 from model import Batch, Parameters, Variants
 from model.compile.kernels import marks_of, python_of
-from model.events.event_functions import NEVER, ContactState, CornerPositions
+from model.events.event_functions import NEVER
 from model.events.insertion import INSERTION
 from model.events.kernels import MOST_SAMPLES, in_kernels
 from model.events.scenes import ALIGNMENT, Declared
+from model.events.sources import ContactState, CornerPositions
 from model.events.steady_state import HISTORY, LONGEST_PERIOD
 from model.events.table import GROUPS, OF_FRICTION, OF_LENGTH, OF_LOAD
 from model.physics.contacts import Contact
@@ -40,13 +41,22 @@ Place = NamedTuple("Place", [(name, float) for name in dict.fromkeys(  # type: i
 )])  # fmt: skip
 
 
+def _stated(kernel: Any) -> Any:
+    """Return the Python of a kernel; of one for each edge, the function that is called with it."""
+    python = python_of(kernel)
+    cells = dict(zip(python.__code__.co_freevars, python.__closure__ or (), strict=True))
+    is_of_edge = [*inspect.signature(python).parameters] == ["arguments"]
+    return cells["function"].cell_contents if is_of_edge else python
+
+
 def _kernels() -> dict[str, Any]:
     found = {}
     for package in (model.physics, model.events):
         for each in pkgutil.iter_modules(package.__path__, f"{package.__name__}."):
             for name, value in vars(importlib.import_module(each.name)).items():
-                is_own = isinstance(value, FunctionType) and value.__module__ == each.name
-                if is_own and marks_of(value) is not None:
+                if not isinstance(value, FunctionType) or marks_of(value) is None:
+                    continue
+                if _stated(value).__module__ == each.name:
                     found[f"{each.name.removeprefix('model.')}.{name}"] = value
     return found
 
@@ -195,11 +205,8 @@ _OTHERS: dict[str, Callable[[Draw], Any]] = {
 
 def parameters_of(kernel: Any) -> list[str]:
     """Return the names of a kernel's parameters; of one for each edge, those of its function."""
-    python = python_of(kernel)
-    names = [*inspect.signature(python).parameters]
-    if names == ["arguments"]:
-        cells = dict(zip(python.__code__.co_freevars, python.__closure__ or (), strict=True))
-        names = [*inspect.signature(cells["function"].cell_contents).parameters][1:]
+    stated = _stated(kernel)
+    names = [*inspect.signature(stated).parameters][stated is not python_of(kernel) :]
     return [name.removeprefix("_") for name in names]
 
 

@@ -50,7 +50,7 @@ FIGURES = list(COMPUTED)
 
 # Errors in the tips of round parts, in the same form; files below src/model.
 GEOMETRY, CONTACTS = "physics/geometry.py", "physics/contacts.py"
-EVENTS = "events/event_functions.py"
+EVENTS, SOURCES = "events/event_functions.py", "events/sources.py"
 OF_TIPS = {
     "place of the tips": (GEOMETRY, "", "gap) / (reach + c"),
     "depth of the tips": (GEOMETRY, "p.half_height - height - ", "rim_x * s)"),
@@ -76,7 +76,7 @@ WRONG_TIPS = {
     "side of friction": (CONTACTS, "to_tangent, side * rise", "to_tangent, rise"),
     "no wedge factor": (CONTACTS, "(hole * hole) * (s", "(rim_x * rim_x) * (s"),
     "no tips": (CONTACTS, "tips_on_face(side, q, p) if", "edge_on_face(side, q, p) if"),
-    "end by the tips' place": (EVENTS, "edge.along_face)\n", "face.along)\n"),
+    "end by the tips' place": (SOURCES, "edge.along_face)\n", "face.along)\n"),
     "no side beside tips": (EVENTS, "depth + along - p", "along - p"),
     "beginning": (EVENTS, "return -depth, depth", "return depth, depth"),
 }

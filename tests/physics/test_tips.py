@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from model.events.event_functions import before_face_end, corner_positions, face_state, tips_outside
+from model.events.event_functions import before_face_end, tips_outside
+from model.events.sources import corner_positions, face_state
 from model.physics.contacts import edge_on_face, tips_on_face
 from model.physics.geometry import (
     crescent,

@@ -111,7 +111,7 @@ PATIENCE = 86_400 if BUILT_TWICE == "full" else 3_600  # seconds: a hanging Snak
 # import: most of their time. A fork with another PYTHONPATH or folder of caches imports the project
 # anew.
 PRELOADED = """
-import json, os, runpy, select, signal, socket, sys
+import gc, json, os, runpy, select, signal, socket, sys
 import matplotlib.pyplot, netCDF4, pint, scipy.ndimage, scipy.special, smart_open, xarray
 import snakemake.cli, snakemake.report.html_reporter
 import model.study.claims, model.study.config, model.study.plans
@@ -123,6 +123,7 @@ for scene in model.ALIGNMENT, model.INSERTION:
 
 READ_AT_IMPORT = "PYTHONPATH", "XDG_CACHE_HOME"
 sys.executable = os.path.abspath("python")  # with which Snakemake runs scripts
+gc.freeze()  # forks need not look through what they share
 listener = socket.socket(socket.AF_UNIX)
 listener.bind("socket")
 listener.listen()

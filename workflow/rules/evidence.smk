@@ -1,4 +1,4 @@
-"""What the verdicts are worth: devices drawn at random, and the study's under other assumptions."""
+"""Worth of the verdicts: devices drawn at random, and the study's under other assumptions."""
 
 from model.study.evidence.assumptions import assumptions_plan
 from model.study.evidence.null import null_plan

@@ -2,9 +2,8 @@
 
 import argparse
 import os
-import shlex
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, astuple, replace
+from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -22,6 +21,8 @@ from model.cli.limits import exceeded_words, limit_lines
 from model.cli.progress import ProgressLine
 from model.cli.simulate import unvibrated_record
 from model.cli.tables import in_columns, print_json
+from model.cli.tables import report_line as _line
+from model.cli.yields import yield_record, yield_report, yield_words
 from model.events.outcomes import SUCCESS_TEXT
 from model.physics.parameters import Parameters
 from model.physics.quantities import ANGLE, FORCE, SPEED, STIFFNESS, TIME
@@ -42,9 +43,6 @@ if TYPE_CHECKING:
     from model.runs.settings import Settings
     from model.sweeps.starts import Starts
 
-_line = "{:<16}{}".format
-_LARGEST = {"alignment time": "time", "contact force": "contact_force"}  # lines of the yield
-_WIDEST = 0.5  # interval of a Sobol' index that is printed
 _FEW = 256  # devices drawn where the stated device goes in from no start: the yield is low
 
 
@@ -116,7 +114,7 @@ def _assess(arguments: argparse.Namespace) -> int:
             | unvibrated_record(device, settings)
             | si.natural_record(device, given.units)
             | lever_record(device, settings, given.units)
-            | {"yield": drawn and stated and _yield_record(drawn, nearest, stated, settings)}
+            | {"yield": drawn and stated and yield_record(drawn, nearest, stated, settings)}
             | {"limits": [asdict(each) | {"kept": each.exceeding is None} for each in limits]}
             | {"assumptions": assumed}
         )
@@ -133,7 +131,7 @@ def _assess(arguments: argparse.Namespace) -> int:
         if required is not None:
             words = f"{100.0 * required:.4g} %: {'met' if met else 'not met'}"
             words += "" if kept else ", as a limit is exceeded"
-        groups["Yield"] = _yield_report(result, drawn, nearest, stated, words, settings)
+        groups["Yield"] = yield_report(result, drawn, nearest, stated, words, settings)
     groups["Assumptions"] = lines_of(assumed)
     head = [_line("device", source), _line("verdict", verdict)]
     print("\n".join([*head, *(line for lines in groups.values() for line in lines)]))
@@ -159,17 +157,8 @@ def headline(
         words += f", {'but' if result.reliable else 'and'} {exceeds}"
     if drawn is None:
         return f"{words}; no tolerances are stated"
-    words += f"; yield {_yield_words(drawn)} under the tolerances"
+    words += f"; yield {yield_words(drawn)} under the tolerances"
     return f"{words}, but within them it {drawn_exceed}" if drawn_exceed else words
-
-
-def _yield_words(drawn: "Yield | Check") -> str:
-    """Return the share of drawn devices that go in, its interval and its level of confidence."""
-    from model.device.yields import CONFIDENCE, interval  # noqa: PLC0415  (scipy)
-
-    shares = drawn.going_in / drawn.devices, *interval(drawn.going_in, drawn.devices)
-    share, low, high = (f"{100.0 * each:.4g} %" for each in shares)
-    return f"{share} ({low} to {high}, {100.0 * CONFIDENCE:.4g} % confidence)"
 
 
 def _required(
@@ -344,91 +333,6 @@ def _value(parameter: str, value: float, stated: "StatedDevice | None", units: U
     if stated is None or units is not None:
         return si.si_words(value, quantity) if stated else si.in_words(value, quantity, None)
     return si.in_words(value / stated.units.of(quantity), quantity, None)
-
-
-def _yield_report(
-    result: "Assessment",
-    drawn: "Yield",
-    failing: "FailingDevice | None",
-    stated: "StatedDevice",
-    required: str,
-    settings: "Settings",
-) -> list[str]:
-    words = f"{_yield_words(drawn)}: {drawn.going_in} of {drawn.devices} "
-    words += "devices within the tolerances go in from every start"
-    words += "" if stated.base_is_stated else ", on every base"
-    lines = [_line("yield", words)]
-    if drawn.inside:
-        words = f"{drawn.inside} more start inside the hole, and are not counted"
-        lines.append(_line("inside", f"{words}: the method does nothing for them"))
-    if required:
-        lines.append(_line("required", required))
-    times = [("alignment time", drawn.time, TIME, si.DIGITS)] if drawn.going_in else []
-    if drawn.insertion[0] == drawn.insertion[0]:  # no NaN
-        times.append(("inserted after", drawn.insertion, TIME, si.DIGITS))
-    # At the tolerance of these runs one in a thousand forces is off by 5 % (docs/measurements.md).
-    for name, values, quantity, digits in (*times, ("contact force", drawn.force, FORCE, 2)):
-        if values[0] == values[0]:
-            listed = si.si_list(values, quantity, digits=digits)
-            words = f"{listed} (5, 50, 95 %)"
-            largest = drawn.largest.get(_LARGEST.get(name, ""))
-            if largest is not None:
-                words += f"; at most {si.si_list((largest,), quantity, digits=digits)} of all drawn"
-            lines.append(_line(name, words))
-    if drawn.forces:
-        words = forces_words(drawn.forces, None, settings, in_si=True)
-        lines.append(_line("  at most", words))
-    if drawn.sobol_indices:
-        lines.append(
-            "to blame, Sobol' indices: first order and total, of failure and of time, with their "
-            "intervals; wide: not known"
-        )
-        rows = [(each.quantity, *map(_index, astuple(each)[1:5], each.intervals))
-                for each in drawn.sobol_indices]  # fmt: skip
-        lines += in_columns(rows)
-    if result.failing_start is not None:
-        lines.append(_line("fails nearest", "the device itself is not reliable"))
-    elif failing is None:
-        lines.append(_line("fails nearest", "none of the devices drawn fails"))
-    else:
-        words = f"{si.named_words(failing.quantities)}: fails at "
-        words += f"{100.0 * failing.distance:.3g} % of the tolerances"
-        lines += [_line("fails nearest", words), f"  {_command(failing, stated, settings)}"]
-    return lines
-
-
-def _index(value: float, interval: tuple[float, float]) -> str:
-    low, high = interval
-    if value != value:  # noqa: PLR0124 - NaN
-        return "-"
-    return f"{value:.2f} ({low:.2f} to {high:.2f})" if high - low < _WIDEST else "wide"
-
-
-def _yield_record(
-    drawn: "Yield",
-    failing: "FailingDevice | None",
-    stated: "StatedDevice",
-    settings: "Settings",
-) -> dict[str, Any]:
-    nearest = failing and asdict(failing) | {"command": _command(failing, stated, settings)}
-    record = asdict(drawn)
-    record["blame"] = record.pop("sobol_indices")
-    return record | {"share": drawn.share, "nearest_failing": nearest}
-
-
-def _command(failing: "FailingDevice", stated: "StatedDevice", settings: "Settings") -> str:
-    """Return the command line that runs a failing device."""
-    changes = {**stated.changes, **failing.quantities, **failing.start}
-    words = [f"vibralign simulate --device {shlex.quote(str(stated.source))}"]
-    words.append(f"--scene {settings.scene.name} --start {settings.start}")
-    if stated.horizon is not None:
-        words.append(f"--horizon {stated.horizon!r}")
-    if stated.insertion_depth is not None:
-        words.append(f"--insertion-depth {stated.insertion_depth!r}")
-    for name, reading in asdict(settings.readings).items():
-        words += [f"--reading {name}={reading}"] if reading == "printed" else []
-    words += [f"--set {shlex.quote(f'{name}={value}')}" for name, value in changes.items()]
-    return " ".join(words)
 
 
 def _record(result: "Assessment", units: Units | None) -> dict[str, Any]:

@@ -8,6 +8,8 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+report_line = "{:<16}{}".format  # of a label and words
+
 
 def table(rows: Sequence[Mapping[str, Any]], columns: Sequence[str]) -> list[str]:
     """Return the lines of a table with a heading; a row may lack a column.

@@ -10,10 +10,11 @@ from math import sqrt
 
 from model.compile.kernels import inlined_kernel, kernel
 from model.events import event_functions as functions
-from model.events import table, transitions
-from model.events.event_functions import corner_positions, edge_inside, on_both_sides
+from model.events import sources, table, transitions
+from model.events.event_functions import edge_inside
 from model.events.outcomes import OUTCOME, REASON
 from model.events.scenes import CONTACT_NAMES, Scene
+from model.events.sources import corner_positions, on_both_sides
 from model.events.table import CONDITIONS, CONTACTS, Event, Source, changed, of_contact, state_is
 from model.events.transitions import decided, edge_enters, ending, touching
 from model.physics.contacts import corner_on_wall, dot, edge_on_side
@@ -174,9 +175,9 @@ _right_wall_depth, _left_wall_depth = on_both_sides(_wall_depth)
 
 # ---------------------------------------------------------------------------------------- the table
 
-RIGHT_SIDE = Source(functions.right_side_state, _on_right_side)
-RIGHT_WALL = Source(functions.right_wall_state, _on_right_wall)
-LEFT_WALL = Source(functions.left_wall_state, _on_left_wall)
+RIGHT_SIDE = Source(sources.right_side_state, _on_right_side)
+RIGHT_WALL = Source(sources.right_wall_state, _on_right_wall)
+LEFT_WALL = Source(sources.left_wall_state, _on_left_wall)
 _AT_RIGHT_SIDE = transitions.of_contact(_right_side_depth, _right_side)
 _AT_RIGHT_WALL = transitions.of_contact(_right_wall_depth, _right_wall)
 _AT_LEFT_WALL = transitions.of_contact(_left_wall_depth, _left_wall)

@@ -10,7 +10,7 @@ from itertools import groupby
 from typing import Any, NamedTuple
 
 from model.compile.kernels import Symbol, inlined_kernel, kernel, separate_kernel
-from model.events import event_functions as functions
+from model.events import sources
 from model.events.event_functions import NEVER, largest
 from model.events.round_parts import RIGHT_TIPS, with_tips
 from model.events.scenes import Declared, Scene
@@ -92,12 +92,12 @@ class _Any(Symbol):
 
 
 _ANY: Any = _Any()
-_ANY_PLACES = functions.CornerPositions(*[_ANY] * len(functions.CornerPositions._fields))
+_ANY_PLACES = sources.CornerPositions(*[_ANY] * len(sources.CornerPositions._fields))
 
 
 def _is_combined(event: Event) -> bool:
     """Return whether the event function is the largest of several quantities."""
-    if event.source.of is not functions.places:
+    if event.source.of is not sources.places:
         return False
     p = Constants(*[_ANY] * len(Constants._fields))
     return isinstance(event.function[0][1](_ANY_PLACES, p, START), tuple)
@@ -199,7 +199,7 @@ def level(events, which, time, q, p, mode):
 @kernel
 def quantities(events, which, time, q, p, mode):
     """Return the four quantities of an event with several."""
-    at, found = functions.places(time, q, p, mode), (NEVER, NEVER, NEVER, NEVER)
+    at, found = sources.places(time, q, p, mode), (NEVER, NEVER, NEVER, NEVER)
     for each in events.all[: events.combined]:
         if which == each.number:
             found = each.event.function[0][1](at, p, mode)
@@ -238,7 +238,7 @@ def is_conditional(events, which):
 @inlined_kernel
 def guard(events, which, q, p, mode):
     """Return whether a down-crossing of the level is the event ``which``."""
-    at = functions.corner_positions(q, p)
+    at = sources.corner_positions(q, p)
     for each in events.with_a("guard"):
         if which == each.number:
             return each.event.guard(at, p, mode)

@@ -13,7 +13,7 @@ from typing import Any
 
 from model.compile.kernels import inlined_kernel
 from model.events import event_functions as functions
-from model.events import friction, transitions
+from model.events import friction, sources, transitions
 from model.physics.modes import CLOSED, OPEN, RELEASED, STICKING
 from model.physics.motion import is_beside, is_supported, never_sticks
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
@@ -72,11 +72,11 @@ class Event:
 
 Table = tuple[Event, ...]
 
-PLACES = Source(functions.places, functions.always)
-FACE = Source(functions.face_state, functions.on_face)
-SIDE = Source(functions.side_state, functions.on_left_side)
-CORNER = Source(functions.corner_state, functions.on_corner)
-FORCES = Source(functions.forces, functions.rubs)
+PLACES = Source(sources.places, sources.always)
+FACE = Source(sources.face_state, sources.on_face)
+SIDE = Source(sources.side_state, sources.on_left_side)
+CORNER = Source(sources.corner_state, sources.on_corner)
+FORCES = Source(sources.forces, sources.rubs)
 
 
 # ----------------------------------------------------------------------------- where events apply
@@ -174,7 +174,7 @@ def _corner_first(edge, at, p, mode):
     return place == 0.0 or gap > functions.ON_AN_EVENT + 2.0 * functions.FLAT * p.half_width
 
 
-_right_corner_first, _left_corner_first = functions.on_both_sides(_corner_first)
+_right_corner_first, _left_corner_first = sources.on_both_sides(_corner_first)
 
 
 # ----------------------------------------------------------------------------- events of a contact
@@ -264,16 +264,16 @@ CONTACTS: Table = (
     # opens; the edge passes the corner on its own side, toward the slot, or the other one.
     *of_contact("face", "face", FACE, transitions.FACE, ("support", "edge"), in_slot=False),
     Event(
-        "face_end", FACE, ((functions.on_face, functions.before_face_end),), transitions.face_ends
+        "face_end", FACE, ((sources.on_face, functions.before_face_end),), transitions.face_ends
     ),
     Event(
-        "face_far_end", FACE, ((functions.on_face, functions.before_far_end),), transitions.far_end,
+        "face_far_end", FACE, ((sources.on_face, functions.before_far_end),), transitions.far_end,
         start=-START_TOLERANCE,
     ),
     # The same for A2 on the left side face; A2 passes an end of the face.
     *of_contact("side", "side", SIDE, transitions.SIDE, ("side", "side")),
     Event(
-        "side_end", SIDE, ((functions.on_left_side, functions.before_side_end),),
+        "side_end", SIDE, ((sources.on_left_side, functions.before_side_end),),
         transitions.side_ends,
     ),
     # The same for a bottom corner on the flat base; the corner slides into the slot.
@@ -281,7 +281,7 @@ CONTACTS: Table = (
         "corner", "corner", CORNER, transitions.CORNER, ("support", "corner"), in_slot=False
     ),
     Event(
-        "corner_end", CORNER, ((functions.on_corner, functions.beside_slot),),
+        "corner_end", CORNER, ((sources.on_corner, functions.beside_slot),),
         transitions.corner_slides_in,
     ),
     # Slip reaches zero, or the friction force reaches its limit.
@@ -296,7 +296,7 @@ CONTACTS: Table = (
         transitions.side_turns, reset=friction.at_rest_on_side, kind=OF_FRICTION,
     ),
     Event(
-        "overturned", PLACES, ((functions.always, functions.upright),), transitions.overturned,
+        "overturned", PLACES, ((sources.always, functions.upright),), transitions.overturned,
         start=0.0,
     ),
 )  # fmt: skip

@@ -7,13 +7,10 @@ and the contacts that the scene declares.
 from typing import Any, NamedTuple
 
 from model.compile.kernels import inlined_kernel, kernel
-from model.events.event_functions import (
-    corner_positions,
-    edge_inside,
-    on_both_sides,
-)
+from model.events.event_functions import edge_inside
 from model.events.friction import decide_friction, sign
 from model.events.outcomes import OUTCOME, REASON
+from model.events.sources import corner_positions, on_both_sides
 from model.physics.contacts import contact_load, corner_on_flat, edge_on_side, support_on_face
 from model.physics.geometry import bottom_corner, edge_place
 from model.physics.modes import (

@@ -13,14 +13,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from model.physics.parameters import (
-    FIELDS,
-    PARAMETER_NAMES,
-    REQUIRED_NAMES,
-    Field,
-    Parameters,
-    check_name,
-)
+from model.physics.fields import Field
+from model.physics.parameters import FIELDS, PARAMETER_NAMES, REQUIRED_NAMES, Parameters, check_name
 from model.physics.quantities import LENGTH, MASS, STIFFNESS, Quantity
 
 # The quantities that serve as units of a device.

@@ -64,11 +64,12 @@ def test_masks_hold_every_event_that_applies(scene: Scene, is_round: bool) -> No
     assert left_out > held
 
 
+@pytest.mark.parametrize("sets", [60, pytest.param(100, marks=pytest.mark.nightly)])
 @pytest.mark.parametrize("shape", ["square", "round"])
 @pytest.mark.parametrize("scene", [ALIGNMENT, INSERTION], ids=lambda scene: scene.name)
-def test_every_mode_that_runs_meet_has_been_listed(scene: Scene, shape: Shape) -> None:
+def test_every_mode_that_runs_meet_has_been_listed(scene: Scene, shape: Shape, sets: int) -> None:
     """Its mask is empty otherwise: lanes would pass its events."""
-    batch = draw(31, 0, 100, SCENES[scene.name][1])
+    batch = draw(31, 0, sets, SCENES[scene.name][1])
     lanes = lane_events_of(in_kernels(scene, shape == "round").events)
     settings = Settings(scene=scene, shape=shape, horizon=10.0, max_evaluations=20_000)
     first, met = COLUMNS.index("mode_edge"), set()

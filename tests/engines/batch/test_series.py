@@ -42,10 +42,11 @@ from model.engines.batch.series_layout import (
     TILT,
 )
 from model.engines.batch.workspace import COEFFICIENTS, CONTACTS_AT, LAST_ORDER, new_workspace
-from model.events.event_functions import NEVER, CornerPositions, corner_positions
+from model.events.event_functions import NEVER
 from model.events.insertion import INSERTION
 from model.events.kernels import in_kernels
 from model.events.scenes import ALIGNMENT
+from model.events.sources import CornerPositions, corner_positions
 from model.events.table import number_of
 from model.physics.contacts import contact_load, corner_on_wall, edge_on_side, support_on_face
 from model.physics.modes import CLOSED, OPEN, RELEASED, START, STICKING, Mode

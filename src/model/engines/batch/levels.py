@@ -13,8 +13,9 @@ from model.compile.kernels import inlined_kernel
 from model.compile.vector_code import WIDTH
 from model.engines.batch.series import SYMBOLS, Constant, Sum, TaylorSeries, as_sum, given, sum_of
 from model.engines.batch.workspace import LINE, MODE_LINE
-from model.events.event_functions import ABSENT, ContactState, CornerPositions
+from model.events.event_functions import ABSENT
 from model.events.insertion import LEFT_WALL, RIGHT_SIDE, RIGHT_WALL
+from model.events.sources import ContactState, CornerPositions
 from model.events.table import FACE, FORCES, PLACES, SIDE, Source
 from model.physics.modes import CLOSED, Mode
 from model.physics.motion import Motion

@@ -17,7 +17,7 @@ import numpy as np
 
 from model.compile.kernels import Symbol, python_of
 from model.engines.batch.mode_kinds import SIDE_CONTACTS, ModeKind, mode_of_kind
-from model.events.event_functions import corner_positions
+from model.events.sources import corner_positions
 from model.physics.contacts import (
     Contact,
     contact_load,

@@ -24,7 +24,8 @@ from model.events.outcomes import (
     Reason,
     remedy,
 )
-from model.physics.parameters import FIELDS, Field, Parameters
+from model.physics.fields import Field
+from model.physics.parameters import FIELDS, Parameters
 from model.physics.quantities import ANGLE, FORCE, PLAIN, TIME, Quantity
 from model.physics.units import UNITS, Units
 from model.runs.settings import Settings
