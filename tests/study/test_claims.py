@@ -17,7 +17,8 @@ from model.study.claims.statistics import explained, trend
 from model.study.config import FIGURES, load_study, study_path
 from model.study.plans import sweep_of
 from model.sweeps.axes import Family
-from model.sweeps.sweep import TRACK_QUANTITIES, merge, run
+from model.sweeps.sweep import merge, run
+from model.sweeps.tracks import TRACK_QUANTITIES
 from tests.study.claims_cases import CASES
 from tests.study.claims_data import (
     NAN,

@@ -3,7 +3,8 @@
 from model.study.config.figures import Curves, History, Schematic
 from model.study.config.study import Study
 from model.sweeps.io import VARIABLES
-from model.sweeps.sweep import TRACK_QUANTITIES, Sweep
+from model.sweeps.sweep import Sweep
+from model.sweeps.tracks import TRACK_QUANTITIES
 
 _IN_THE_SLOT = (
     "outcome", "reason", "tau_align", "tilt_at_alignment", "sensitive", "rhs_evaluations",

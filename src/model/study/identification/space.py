@@ -19,7 +19,8 @@ from model.study.config.runs import ClaimRun
 from model.study.plans import sweep_of
 from model.sweeps.axes import Axis, Family, Plan
 from model.sweeps.settings import RunSettings
-from model.sweeps.sweep import TRACK_QUANTITIES, Sweep
+from model.sweeps.sweep import Sweep
+from model.sweeps.tracks import TRACK_QUANTITIES
 
 if TYPE_CHECKING:
     from model.study.config.study import Study
