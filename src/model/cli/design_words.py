@@ -59,7 +59,7 @@ def so_far(trials: "Trials", known: "Known") -> str:
     best = int(tried.score(stated.limits).argmin())
     setting = {name: float(values[best]) for name, values in tried.settings.items()}
     holds = "keeps" if tried.keeps(stated.limits)[best] else "does not keep"
-    changes = stated.changes | {name: f"{value:.4g}" for name, value in setting.items()}
+    changes = {**stated.changes, **{name: f"{value:.4g}" for name, value in setting.items()}}
     sets = " ".join(f"--set {shlex.quote(f'{name}={value}')}" for name, value in changes.items())
     return (
         f"best of {len(known):,} settings so far, by quick trials: {named_words(setting)}; by them "
