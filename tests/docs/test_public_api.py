@@ -59,6 +59,11 @@ FROZEN = {
     "vibralign.DeviceResults": """
         values goes_in time times force tilt failing forces inside insertion
     """,
+    "vibralign.readable": "dataset",
+    "vibralign.design": """
+        device settings ensemble cores generations population seed devices
+    """,
+    "vibralign.Design": "tried best limits checks free",
     "vibralign.Variants": """
         normal_sign friction_law contact_damping_law side_gap side_force preload
         alignment_criterion moment_arms

@@ -1,6 +1,7 @@
 """Public values are copied, pickled, compared and printed, in this process and in others."""
 
 import copy
+import html
 import importlib
 import math
 import multiprocessing
@@ -16,6 +17,7 @@ import numpy as np
 import pytest
 
 import vibralign
+from model.device.leeways import Leeway, Nearest
 from model.events.table import EVENTS
 from model.sweeps.settings import Ensemble
 from vibralign import (
@@ -167,3 +169,17 @@ def test_a_run_of_a_device_prints_seconds():
     assert " s (" not in repr(same)
     assert same == run
     assert hash(same) == hash(run)
+
+
+def test_a_table_has_words_for_what_it_holds():
+    """No class names of what stands in rows; the doubts of a device are among them."""
+    thin = load_device(PEG, {"tilt_stiffness": "500 N m/rad"})
+    shown = thin._repr_html_()
+    assert thin.doubts
+    assert html.escape(thin.doubts[0]) in shown
+    assert "<th>notes</th><td>none</td>" in shown
+    leeway, near = Leeway("friction", 0.2, 0.1, 0.3, False, True), Nearest("mass", 1.0, None, 2.0)
+    found = replace(VALUES[-1], leeways=(leeway, leeway), nearest=(near,))
+    rows = found._repr_html_()
+    assert "<td>friction from 0.1 to 0.3, friction from 0.1 to 0.3</td>" in rows
+    assert "<td>mass 2</td>" in rows

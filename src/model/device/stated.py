@@ -74,6 +74,10 @@ class StatedDevice(Value):
         changes = "".join(f", {name}={value}" for name, value in self.changes.items())
         return f"<StatedDevice: {self.source}{changes}>"
 
+    def _shown(self) -> dict[str, Any]:
+        """Return the rows of the table in a notebook, with what is doubtful."""
+        return vars_of(self) | {"doubts": self.doubts}
+
     def __getstate__(self) -> dict[str, Any]:
         """Return what copies and pickles hold: nothing that is computed from it."""
         return vars_of(self)

@@ -98,6 +98,8 @@ def _words(value: Any) -> str:
         return f"{span}, shape {value.shape}"
     if isinstance(value, Mapping):
         return ", ".join(f"{name} = {_words(each)}" for name, each in value.items()) or "none"
+    if isinstance(value, (tuple, list)):
+        return ", ".join(map(_words, value)) or "none"
     if isinstance(value, Enum):
         return value.name.lower()
     return f"{value:.7g}" if isinstance(value, float) else str(value)
