@@ -225,7 +225,7 @@ def _ends(
     for count in PARTS:
         open_ones = [i for i, (values, n) in enumerate(zip(scans, known, strict=True))
                      if n < len(values)]  # fmt: skip
-        parts = [_divided(scans[i][max(known[i] - 2, 0) : known[i] + 1], count) for i in open_ones]
+        parts = [_divided(scans[i][known[i] - 1], scans[i][known[i]], count) for i in open_ones]
         finer = _leading(own, [names[i] for i in open_ones], parts, are_alike, judged)
         for i, between, n in zip(open_ones, parts, finer, strict=True):
             scans[i], known[i] = [*between, scans[i][known[i]]], n
@@ -235,10 +235,9 @@ def _ends(
     ]
 
 
-def _divided(ends: Sequence[float], count: int) -> list[float]:
-    """Return the first of two or three values, and ``count`` values towards each next but one."""
-    parts = [np.geomspace(*pair, count + 1)[1:] for pair in itertools.pairwise(ends)]
-    return [ends[0], *map(_printed, np.concatenate(parts)[:-1].tolist())]
+def _divided(start: float, stop: float, count: int) -> list[float]:
+    """Return the first of two values, and the values that divide their interval."""
+    return [start, *map(_printed, np.geomspace(start, stop, count + 1)[1:-1].tolist())]
 
 
 def _unbroken(device: Stated, is_reliable: IsReliable, ends: Sequence[_End]) -> list[_End]:
