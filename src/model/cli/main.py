@@ -12,7 +12,7 @@ import os
 import re
 import sys
 from collections.abc import Callable, Sequence
-from typing import Any, NoReturn
+from typing import Any, NoReturn, TextIO
 
 from model.cli import (
     assess,
@@ -71,7 +71,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             print("vibralign: interrupted", file=sys.stderr)
         return INTERRUPTED
     except BrokenPipeError:  # `vibralign … | head`: nobody reads a message
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _discard(sys.stdout)
         return FAILED
     except WriteError as error:
         return _failed(FAILED, error)
@@ -79,9 +79,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         denied = error.errno in (errno.EACCES, errno.EPERM, errno.EROFS)
         remedy = "allow access to it" if denied else "free some space"
         _failed(FAILED, f"{error}: {remedy} or choose another place and run it again")
-        # Python writes what is left in the buffer once more at its end, and would fail again.
-        with contextlib.suppress(OSError, ValueError):
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _discard(sys.stdout)
         return FAILED
 
 
@@ -94,9 +92,17 @@ def _open_streams() -> None:
 
 
 def _failed(code: int, words: object) -> int:
-    with contextlib.suppress(OSError):  # also standard error may be full
+    try:
         print(f"vibralign: error: {words}", file=sys.stderr, flush=True)
+    except OSError:  # also standard error may be full
+        _discard(sys.stderr)
     return code
+
+
+def _discard(stream: TextIO) -> None:
+    """Discard what is left of a stream: Python writes it at its end, and would fail again."""
+    with contextlib.suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 def _run(argv: Sequence[str] | None) -> int:
