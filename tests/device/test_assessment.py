@@ -71,7 +71,7 @@ def test_steps_may_be_tried_roughly_and_an_end_never_is(device):
 
 
 def test_an_end_moves_inwards_past_the_failures_of_a_ragged_border(device):
-    """What fails between the own value and the end is found to some 3 %, near the end to 0.4 %."""
+    """Failing values between the own value and the end are found to some 3 %, near it to 0.4 %."""
     device = device.replace(press_force=2.0)
 
     def ragged(*holes):
