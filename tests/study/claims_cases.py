@@ -50,7 +50,7 @@ CASES: dict[str, Case] = {
     ),
     "M1b": (
         {**runs("centred", excursion=lambda t, _: 10.0 * t), **runs("misaligned")},
-        {**runs("centred", excursion=lambda t, _: 3.0 * t), **runs("misaligned")},
+        {**runs("centred", excursion=lambda t, _: 0.3 * t), **runs("misaligned")},
     ),
     "M2": case("pressed", lambda k, f: f / k, 0.1, of="tilt_end", tau=NAN),
     "M2b": case("fig07", 5.0, within(0.01, 0.3)),

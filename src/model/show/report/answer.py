@@ -40,7 +40,7 @@ def section(results: Results) -> Section:
         _first_period(regimes),
         _shares("rests on the edge unless it is vibrated", _resting(regimes)),
         _shares("goes in", goes_in),
-        _shares("still aligns if it starts a little differently", reliable),
+        _shares("still aligns if it starts a little differently, where that is tried", reliable),
     ]
     rows = [_row(name, counts[name], regimes[name], goes_in[name]) for name in counts]
     content = {

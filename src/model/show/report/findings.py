@@ -111,12 +111,13 @@ def claims(results: Results) -> Section:
 
 
 def _by_kind(lines: Sequence[Line]) -> str:
-    """Return in a sentence how many conclusions are reproduced, and how much of all else."""
+    """Return in a sentence how many numbered conclusions are reproduced, and how much else."""
     numbers = []
     for is_concluded in (True, False):
-        of = [x.verdict for x in lines if x.demand and (x.kind == "conclusion") == is_concluded]
+        of = [x.verdict for x in lines
+              if x.demand and x.place.startswith("concl.") == is_concluded]  # fmt: skip
         numbers.append(f"{of.count('reproduced')} of {len(of)}")
-    return "Of the conclusions {} are reproduced, of all else {}.".format(*numbers)
+    return "Of the numbered conclusions {} are reproduced, of all else {}.".format(*numbers)
 
 
 def _draws(null: xr.Dataset, assumptions: xr.Dataset) -> Table:

@@ -33,6 +33,7 @@ from model.study.claims.statistics import (
     quantile,
     ratio,
     relative_slope,
+    runs_of,
     share,
     slope,
     spread,
@@ -249,12 +250,22 @@ def farthest_beside(of: Array, beside: Flags) -> float:
 def distance_in_shape(of: Array, over: Array, by: Array, beside: Flags) -> float:
     """Return the least distance in shape between a curve and one beside.
 
-    Pairs that share less than half of the range of ``over`` are left out.
+    Of each curve counts the longest unbroken range of known values. Pairs that share less than a
+    quarter of the range of ``over`` are left out.
     """
-    curves, others = ([*lines(by[rows], of[rows], over[rows])] for rows in (~beside, beside))
-    least = 0.5 * float(np.ptp(over[~beside])) if curves[0][0].size else NAN
+    curves, others = (
+        [_longest(*line) for line in lines(by[rows], of[rows], over[rows])]
+        for rows in (~beside, beside)
+    )
+    least = 0.25 * float(np.ptp(over[~beside])) if over[~beside].size else NAN
     distances = [_apart(curve, other, least) for curve in curves for other in others]
     return min((each for each in distances if each == each), default=NAN)  # noqa: PLR0124  (not NaN)
+
+
+def _longest(of: Array, over: Array) -> tuple[Array, Array]:
+    """Return the longest unbroken range of known values of a curve."""
+    first, end = max(runs_of(np.isfinite(of)), key=lambda run: run[1] - run[0], default=(0, 0))
+    return of[first:end], over[first:end]
 
 
 def _apart(curve: tuple[Array, ...], other: tuple[Array, ...], least: float) -> float:
@@ -262,7 +273,7 @@ def _apart(curve: tuple[Array, ...], other: tuple[Array, ...], least: float) -> 
 
     NaN if they share less than ``least`` of the axis.
     """
-    (y, x), (v, u) = ((of[np.isfinite(of)], over[np.isfinite(of)]) for of, over in (curve, other))
+    (y, x), (v, u) = curve, other
     if min(x.size, u.size) < 2:
         return NAN
     low, high = max(x[0], u[0]), min(x[-1], u[-1])
