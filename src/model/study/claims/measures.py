@@ -250,14 +250,14 @@ def farthest_beside(of: Array, beside: Flags) -> float:
 def distance_in_shape(of: Array, over: Array, by: Array, beside: Flags) -> float:
     """Return the least distance in shape between a curve and one beside.
 
-    Of each curve counts the longest unbroken range of known values. Pairs that share less than a
-    quarter of the range of ``over`` are left out.
+    Of each curve counts the longest unbroken range of known values. Pairs that share less than an
+    eighth of the range of ``over`` are left out.
     """
     curves, others = (
         [_longest(*line) for line in lines(by[rows], of[rows], over[rows])]
         for rows in (~beside, beside)
     )
-    least = 0.25 * float(np.ptp(over[~beside])) if over[~beside].size else NAN
+    least = 0.125 * float(np.ptp(over[~beside])) if over[~beside].size else NAN
     distances = [_apart(curve, other, least) for curve in curves for other in others]
     return min((each for each in distances if each == each), default=NAN)  # noqa: PLR0124  (not NaN)
 
