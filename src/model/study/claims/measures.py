@@ -55,6 +55,13 @@ def usual_ratio(of: Array, here: Flags, there: Flags) -> float:
     return ratio(median(of[here]), median(of[there]))
 
 
+def usual_growth(of: Array, here: Flags, there: Flags) -> float:
+    """Return the median here over the median there, NaN if any row from there to here is unknown."""
+    both = np.flatnonzero(here | there)
+    known = both.size and np.isfinite(of[both[0] : both[-1] + 1]).all()
+    return usual_ratio(of, here, there) if known else NAN
+
+
 def usual_beyond(of: Array, here: Flags, there: Flags) -> float:
     """Return the median here over the value that 95 % there keep below."""
     known = of[there & np.isfinite(of)]
