@@ -56,7 +56,7 @@ def usual_ratio(of: Array, here: Flags, there: Flags) -> float:
 
 
 def usual_growth(of: Array, here: Flags, there: Flags) -> float:
-    """Return the median here over the median there, NaN if any row from there to here is unknown."""
+    """Return the median here over the median there, NaN if a row between is unknown."""
     both = np.flatnonzero(here | there)
     known = both.size and np.isfinite(of[both[0] : both[-1] + 1]).all()
     return usual_ratio(of, here, there) if known else NAN
