@@ -4,8 +4,9 @@ Every refusal is a ValueError of one line that names the value, the rule and the
 """
 
 import argparse
+import shlex
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, get_args
@@ -113,6 +114,11 @@ def announce_compilation() -> None:
     """Say at a terminal that the kernels are compiled first, unless they are cached."""
     if sys.stderr.isatty() and not any(cache_folder().rglob("*.o")):
         print("compiling the model, this once: some seconds …", file=sys.stderr)
+
+
+def set_options(changes: Mapping[str, object]) -> dict[str, str]:
+    """Return the option --set of each change as it is typed in a shell, by the change's name."""
+    return {name: f"--set {shlex.quote(f'{name}={value}')}" for name, value in changes.items()}
 
 
 def pairs(given: Sequence[str], option: str) -> dict[str, str]:

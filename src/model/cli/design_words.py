@@ -4,6 +4,7 @@ import shlex
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from model.cli.arguments import set_options
 from model.cli.assess import headline
 from model.cli.limits import MEASURES
 from model.cli.tables import in_columns
@@ -60,7 +61,7 @@ def so_far(trials: "Trials", known: "Known") -> str:
     setting = {name: float(values[best]) for name, values in tried.settings.items()}
     holds = "keeps" if tried.keeps(stated.limits)[best] else "does not keep"
     changes = {**stated.changes, **{name: f"{value:.4g}" for name, value in setting.items()}}
-    sets = " ".join(f"--set {shlex.quote(f'{name}={value}')}" for name, value in changes.items())
+    sets = " ".join(set_options(changes).values())
     return (
         f"best of {len(known):,} settings so far, by quick trials: {named_words(setting)}; by them "
         f"it {holds} what is asked. Check it: vibralign assess --device {source} {sets}"

@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from model.cli.arguments import add_command, add_model_options, pairs, read_inputs
+from model.cli.arguments import add_command, add_model_options, pairs, read_inputs, set_options
 from model.cli.files import check_file, writing
 from model.device import StatedDevice
 from model.device.base import SOURCES
@@ -84,6 +84,5 @@ def _origin(arguments: argparse.Namespace, stated: StatedDevice | None) -> dict[
             for name, sources in SOURCES.items()
             if name not in present
         }
-    sets = {name: f"--set {shlex.quote(f'{name}={value}')}" for name, value in changes.items()}
     horizon = None if stated is None else stated.horizon
-    return {"options": options, "sets": sets, "held": held, "horizon": horizon}
+    return {"options": options, "sets": set_options(changes), "held": held, "horizon": horizon}

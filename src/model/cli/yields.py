@@ -4,6 +4,7 @@ import shlex
 from dataclasses import asdict, astuple
 from typing import TYPE_CHECKING, Any
 
+from model.cli.arguments import set_options
 from model.cli.tables import in_columns
 from model.cli.tables import report_line as _line
 from model.physics.quantities import FORCE, TIME
@@ -113,5 +114,4 @@ def _command(failing: "FailingDevice", stated: "StatedDevice", settings: "Settin
         words.append(f"--insertion-depth {stated.insertion_depth!r}")
     for name, reading in asdict(settings.readings).items():
         words += [f"--reading {name}={reading}"] if reading == "printed" else []
-    words += [f"--set {shlex.quote(f'{name}={value}')}" for name, value in changes.items()]
-    return " ".join(words)
+    return " ".join([*words, *set_options(changes).values()])

@@ -238,7 +238,7 @@ def _computed(
     if wanted & {*IN_SLOT}:
         found["insertion"] = insertion_outcomes(batch, found["outcome"], settings, cores)
     if wanted & {*TRACK_QUANTITIES}:
-        found |= quantities_of(tracks, found["unvibrated_tilt"], settings)
+        found |= quantities_of(tracks, batch, found["unvibrated_tilt"], settings)
     return found, courses
 
 

@@ -48,16 +48,15 @@ _STATIC = 1.0  # time over which the end is averaged without an excitation
 
 
 def quantities_of(
-    tracks: Sequence[Trajectory], rests: Column, settings: Settings
+    tracks: Sequence[Trajectory], batch: Batch, rests: Column, settings: Settings
 ) -> dict[str, Column]:
-    """Return ``TRACK_QUANTITIES`` of trajectories, each of shape (n,).
+    """Return ``TRACK_QUANTITIES`` of the trajectories of a batch, each of shape (n,).
 
     ``rests``, shape (n,), are the tilts in which the runs rest without vibration, NaN without one.
     """
     rows = [_of_track(*each) for each in zip(tracks, rests, strict=True)]
     columns = {name: np.array([row[name] for row in rows]) for name in rows[0]}
-    still = unvibrated_sets(Batch.stack([track.parameters for track in tracks]))
-    return {**columns, "unvibrated_way": _ways(still, settings)}
+    return {**columns, "unvibrated_way": _ways(unvibrated_sets(batch), settings)}
 
 
 def _ways(batch: Batch, settings: Settings) -> Column:
