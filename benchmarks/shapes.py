@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model import Batch, Outcome, Settings
-from model.engines.results import RunResult
+from model.engine.results import RunResult
 from model.physics.parameters import Shape
 from model.runs.engines import Engine, engine_for
 from model.study.config import load_study, study_path

@@ -18,7 +18,7 @@ DISTRIBUTIONS = {
 }  # where the import's name differs
 STUDY = ["plot", "study"]
 EXTRAS = {  # of each folder, besides the dependencies of the package
-    **dict.fromkeys(("compile", "physics", "events", "engines", "runs"), ()),
+    **dict.fromkeys(("compile", "physics", "events", "engine", "runs"), ()),
     "sweeps": STUDY,
     "device": STUDY,
     "study": STUDY,

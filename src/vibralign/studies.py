@@ -17,7 +17,7 @@ from model.device.maps import corners_of, quantity_attributes
 from model.device.plausibility import check_press
 from model.device.runs import IN_SI, AnyDevice, Device, devices_in, with_changes
 from model.device.stated import QUANTITIES, StatedDevice, unit_of
-from model.engines.results import RESULTS, VALUE_TYPES
+from model.engine.results import RESULTS, VALUE_TYPES
 from model.events.outcomes import Outcome
 from model.physics.parameters import PARAMETER_NAMES, Parameters, check_name
 from model.physics.quantities import ANGLE, PLAIN

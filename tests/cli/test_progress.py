@@ -9,7 +9,7 @@ import numpy as np
 from model.cli import main as cli
 from model.cli import progress
 from model.cli.progress import ProgressLine
-from model.engines.queue import Queue
+from model.engine.queue import Queue
 from model.runs import engines
 
 COMMAND = ["assess", "--horizon", "3", "--tolerance", "1e-4"]

@@ -25,7 +25,7 @@ from model.device import StatedDevice, yields
 from model.device.design import as_printed
 from model.device.design_trials import MEASURES, Trials
 from model.device.reliability import FORCES, run_devices
-from model.engines.results import RunResult
+from model.engine.results import RunResult
 from model.events.outcomes import Outcome
 from model.physics.quantities import FORCE
 from model.physics.units import device as device_of

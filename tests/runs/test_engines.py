@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from model import Batch, Outcome, Settings, Variants, align
-from model.engines.batch.scheduling import POOL
-from model.engines.results import RunResult
+from model.engine.results import RunResult
+from model.engine.scheduling import POOL
 from model.runs.engines import batch_engine, scalar_engine
 from model.runs.errors import outcomes_differ
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from model import Batch, Outcome, Reason, align, simulate
-from model.engines.results import RunResult
+from model.engine.results import RunResult
 from model.physics.parameters import Constants
 from model.runs.errors import TILTED, estimate
 from verification.trials import trial_of

@@ -12,7 +12,7 @@ import pytest
 
 from benchmarks.shapes import devices
 from model import Batch, align
-from model.engines.results import TRACK_VARIABLES, RunResult
+from model.engine.results import TRACK_VARIABLES, RunResult
 from model.events.insertion import INSERTION
 from model.physics.modes import CLOSED
 from model.physics.parameters import PARAMETER_NAMES

@@ -7,7 +7,7 @@ from model import PRINTED_CONTACTS, Batch, Outcome, Reason, Settings, Variants, 
 from model.device import load_device
 from model.device.batches import devices_of
 from model.device.yields import drawn
-from model.engines.results import RunResult
+from model.engine.results import RunResult
 from model.runs.engines import batch_engine, scalar_engine
 from model.study.config import load_study, study_path
 from model.sweeps.starts import starts_of

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from model.engines.tolerances import MARGIN
+from model.engine.tolerances import MARGIN
 from model.events.outcomes import Outcome, Unvibrated
 from model.study.config import load_study, study_path
 from model.study.plans import sweep_of

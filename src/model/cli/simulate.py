@@ -18,8 +18,8 @@ from model.cli.arguments import (
 from model.cli.files import check_file, check_picture, writing
 from model.cli.tables import print_json
 from model.device.reliability import FORCES
-from model.engines.results import RESULTS, TRACK_VARIABLES
-from model.engines.scalar.tableaux import DOP853
+from model.engine.results import RESULTS, TRACK_VARIABLES
+from model.engine.scalar.tableaux import DOP853
 from model.events.outcomes import SUCCESSES, Outcome, Unvibrated
 from model.physics.notation import State
 from model.physics.parameters import Batch, Parameters

@@ -12,7 +12,7 @@ from model.device.base import BASE, CENTRE, CENTRE_WORDS
 from model.device.batches import by_settings, devices_of, rows_of
 from model.device.holder import RATIOS
 from model.device.stated import QUANTITIES, StatedDevice
-from model.engines.results import RESULTS, UNVIBRATED_CONTROL
+from model.engine.results import RESULTS, UNVIBRATED_CONTROL
 from model.physics.parameters import FIELDS, Batch, Parameters, check_name
 from model.physics.quantities import ANGLE, LENGTH, PLAIN
 from model.physics.units import UNITS

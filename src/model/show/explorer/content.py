@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from model.engines.results import TRACK_VARIABLES
+from model.engine.results import TRACK_VARIABLES
 from model.events.insertion import INSERTION
 from model.events.outcomes import (
     OUTCOME_TEXT,

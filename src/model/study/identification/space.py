@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from model.engines.results import RESULTS, UNVIBRATED_CONTROL
+from model.engine.results import RESULTS, UNVIBRATED_CONTROL
 from model.study.config.figures import FIGURES
 from model.study.config.identification import Grid, Problem
 from model.study.config.runs import ClaimRun
