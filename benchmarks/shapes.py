@@ -17,12 +17,11 @@ from numpy.typing import NDArray
 from model import Batch, Outcome, Settings
 from model.engine.results import RunResult
 from model.physics.parameters import Shape
-from model.runs.engines import Engine, engine_for
+from model.runs.engine import engine_for
 from model.study.config import load_study, study_path
 from verification.trials import trial_of
 
 Floats = NDArray[np.float64]
-ENGINES: tuple[Engine, ...] = get_args(Engine)
 _SHARES = 0.2, 0.9  # misalignment over the largest from which the press tilts a round part
 _TOLERANCE = 1e-8
 
@@ -44,13 +43,13 @@ def devices(count: int) -> Batch:
     return Batch({**drawn, "misalignment": shares * farthest})
 
 
-def costs(batch: Batch, engine: Engine, horizon: float, rounds: int) -> dict[Shape, Cost]:
+def costs(batch: Batch, horizon: float, rounds: int) -> dict[Shape, Cost]:
     """Run every device as either shape, and return what each costs."""
     shapes: tuple[Shape, ...] = get_args(Shape)
     runs = {}
     for shape in shapes:
         settings = Settings(shape=shape, tolerance=_TOLERANCE, horizon=horizon, may_settle=False)
-        runs[shape] = engine_for(settings, engine), settings.rows(batch)
+        runs[shape] = engine_for(settings), settings.rows(batch)
     seconds = {shape: np.full(len(batch), np.inf) for shape in shapes}
     found = {shape: np.empty((len(batch), len(RunResult._fields))) for shape in shapes}
     tolerances = np.array([_TOLERANCE])
@@ -69,7 +68,7 @@ def costs(batch: Batch, engine: Engine, horizon: float, rounds: int) -> dict[Sha
     }
 
 
-def line(engine: str, which: str, round_ones: Cost, square: Cost, of: NDArray[np.bool_]) -> str:
+def line(which: str, round_ones: Cost, square: Cost, of: NDArray[np.bool_]) -> str:
     """Return a row of the table, of the devices in the mask ``of``."""
     time, steps = (
         getattr(round_ones, n)[of] / getattr(square, n)[of] for n in ("seconds", "steps")
@@ -77,7 +76,7 @@ def line(engine: str, which: str, round_ones: Cost, square: Cost, of: NDArray[np
     total = round_ones.seconds[of].sum() / square.seconds[of].sum()
     low, middle, high = np.quantile(time, (0.1, 0.5, 0.9))
     return (
-        f"{engine:7} {which:12} {of.sum():4d} {middle:7.2f} {low:5.2f} to {high:5.2f} "
+        f"{which:12} {of.sum():4d} {middle:7.2f} {low:5.2f} to {high:5.2f} "
         f"{total:6.2f} {np.median(steps):6.2f} {np.median(time / steps):8.2f}"
     )
 
@@ -90,16 +89,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--rounds", type=int, default=5)
     given = parser.parse_args(arguments)
     batch = devices(given.devices)
-    sys.stdout.write("engine  devices       n  median  10 to 90 %  total  steps  per step\n")
-    for engine in ENGINES:
-        found = costs(batch, engine, given.horizon, given.rounds)
-        round_ones, square = found["round"], found["square"]
-        both = round_ones.aligns & square.aligns
-        neither = ~round_ones.aligns & ~square.aligns
-        for which, of in (("all", both | True), ("both align", both), ("neither", neither)):
-            if of.any():
-                sys.stdout.write(line(engine, which, round_ones, square, of) + "\n")
-                sys.stdout.flush()
+    sys.stdout.write("devices       n  median  10 to 90 %  total  steps  per step\n")
+    found = costs(batch, given.horizon, given.rounds)
+    round_ones, square = found["round"], found["square"]
+    both = round_ones.aligns & square.aligns
+    neither = ~round_ones.aligns & ~square.aligns
+    for which, of in (("all", both | True), ("both align", both), ("neither", neither)):
+        if of.any():
+            sys.stdout.write(line(which, round_ones, square, of) + "\n")
     return 0
 
 

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 
 from benchmarks.methods.base import Method
 from benchmarks.methods.by_hand import FixedSteps
-from benchmarks.methods.package import BatchEngine, Package
+from benchmarks.methods.package import Package
 from benchmarks.methods.scipy_unlocated import ScipyUnlocated
 from benchmarks.problems import Problem
 from model.physics.parameters import Parameters
@@ -17,8 +17,7 @@ from model.runs.settings import Settings
 _TOGETHER = 16  # runs that spread the cost of a call, where they are short
 
 METHODS: Mapping[str, Method] = {
-    "dop853_located": Package("DOP853, events located", "scalar", batch=_TOGETHER),
-    "batch_located": BatchEngine("batch engine, events located", batch=_TOGETHER),
+    "taylor_located": Package("Taylor series, events located", batch=_TOGETHER),
     "rk4_fixed": FixedSteps("RK4, fixed steps", "rk4"),
     "semi_implicit_euler_fixed": FixedSteps(
         "semi-implicit Euler, fixed steps", "semi_implicit_euler"

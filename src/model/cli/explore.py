@@ -46,26 +46,26 @@ def _explore(arguments: argparse.Namespace) -> int:
             "vibralign simulate --animate"
         )
     # Imported here: a second that only this command needs.
-    from model.runs.in_browser import are_cached, modules  # noqa: PLC0415
+    from model.runs.in_browser import is_cached, module_for  # noqa: PLC0415
     from model.show.explorer.content import device_model, study_model  # noqa: PLC0415
     from model.show.explorer.page import build_page  # noqa: PLC0415
 
     shape = settings.shape or "square"
-    if sys.stderr.isatty() and not are_cached(shape):
-        print("compiling the engines for the page, this once: some seconds …", file=sys.stderr)
-    engines = modules(shape)
+    if sys.stderr.isatty() and not is_cached(shape):
+        print("compiling the engine for the page, this once: some seconds …", file=sys.stderr)
+    engine = module_for(shape)
     if arguments.device is None and not arguments.changes and shape == "square":
-        model = study_model(given.study, engines.interface)
+        model = study_model(given.study, engine.interface)
     else:
         file = str(arguments.device or "")
         first = tuple(given.study.operating_point)
         origin = _origin(arguments, given.stated)
         assumed = assumptions(given.parameters, settings, given.stated)
         model = device_model(
-            given.parameters, given.units, file, settings, engines.interface, first, origin, assumed
+            given.parameters, given.units, file, settings, engine.interface, first, origin, assumed
         )
     with writing():
-        write_text(build_page(model, engines), arguments.out)
+        write_text(build_page(model, engine), arguments.out)
     print(f"open {arguments.out} in a browser")
     return 0
 

@@ -1,7 +1,4 @@
-"""The lifecycle of a run between its steps: start, events, excitation periods and end.
-
-Both engines use it.
-"""
+"""The lifecycle of a run between its steps: start, events, excitation periods and end."""
 
 from math import isfinite, isnan, nan, pi
 from typing import NamedTuple
@@ -223,6 +220,13 @@ def notes_forces(scene, mode, control, runs, i):
     """Return whether the largest forces grow: until alignment, or until inserted."""
     counts = scene.events.inserts or is_counted(mode, constants_of(scene.events, runs, i))
     return counts and control.alignment_only == 0.0
+
+
+@inlined_kernel
+def carries_error(scene, control, runs, i):
+    """Return whether run ``i`` carries its error: without insertion, only until it aligns."""
+    needed = scene.events.inserts or isnan(runs[i, AT.tau_align])
+    return control.carries_error != 0.0 and needed
 
 
 @kernel

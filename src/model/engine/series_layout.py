@@ -12,6 +12,7 @@ from copy import copy
 from model.engine.series import STATES, EventQuantities, Recurrences, TaylorSeries
 
 ORDER = 16  # of the series
+METHOD = f"Taylor series of order {ORDER}"
 # Order of the linearised motion; lower ones fail on stiff bases (decision 3), where a step may last
 # 3 radians of a contact's oscillation.
 ERROR_ORDER = 9
@@ -23,7 +24,7 @@ TILT = 2  # line of the tilt
 SINES = STATE_LINES + len(EventQuantities._fields)
 _OTHERS = SINES + 4
 LINES = _OTHERS + 16  # as many as the modes of plane parts on the edges need
-FURTHER_LINES = 60  # of round parts, and of modes in the slot; they follow the last order
+FURTHER_LINES = 64  # of round parts, and of modes in the slot; they follow the last order
 FRACTIONS = (0.25, 0.5, 0.75, 1.0)  # of a step, at which it is sampled
 NODES = len(FRACTIONS) + 1
 # Orders summed at these fractions: omitted terms are below 1e-4 of the last ones at the step's end.
