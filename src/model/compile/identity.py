@@ -150,12 +150,15 @@ def _told_instance(known: Any, parts: list[Any]) -> str:
         if " at 0x" in repr(known) and getattr(known, "__dict__", None):
             raise OutsideError(f"{known!r}: neither data nor a function or class of the package")
         return text
-    made_by: Any = type(known)
-    if dataclasses.is_dataclass(made_by) and made_by.__dataclass_params__.frozen:
+    if dataclasses.is_dataclass(known) and _is_frozen(type(known)):
         part = _described(known)
         parts += part.parts
         return part.text
     return f"{_place(type(known), parts)} {_told(vars(known), parts)}"
+
+
+def _is_frozen(made_by: Any) -> bool:
+    return bool(made_by.__dataclass_params__.frozen)
 
 
 def _place(known: Any, parts: list[Any]) -> str:
