@@ -8,9 +8,9 @@ from pathlib import Path
 
 from pandas import json_normalize
 
-from model.tracking import TrackingError
-from model.tracking.history import Record
-from model.tracking.job import file_hash
+from study.tracking import TrackingError
+from study.tracking.history import Record
+from study.tracking.job import file_hash
 
 EXPERIMENT = "vibralign"
 

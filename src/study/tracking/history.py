@@ -22,11 +22,11 @@ from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
-from model.study.csv_tables import csv_text
 from model.sweeps.files import write_text
-from model.tracking import TrackingError
-from model.tracking.job import file_hash, named
-from model.tracking.slurm import slurm_reasons
+from study.csv_tables import csv_text
+from study.tracking import TrackingError
+from study.tracking.job import file_hash, named
+from study.tracking.slurm import slurm_reasons
 
 Record = dict[str, Any]
 
@@ -265,7 +265,7 @@ def find_invocation(history: Sequence[Record], name: str) -> Record:
     if len(found) == 1 and name:
         return found[0]
     what = f"is the beginning of {len(found)}" if found else "is no invocation"
-    raise TrackingError(f"{name!r} {what}; vibralign runs --invocations lists them")
+    raise TrackingError(f"{name!r} {what}; python -m study runs --invocations lists them")
 
 
 # --- Runs ---------------------------------------------------------------------------------------
@@ -304,7 +304,7 @@ def find_run(runs: Sequence[Record], name: str) -> Record:
         if each["run"] == run and str(each.get("invocation", "")).startswith(invocation)
     ]
     if not found:
-        raise TrackingError(f"{name!r} is no run; vibralign runs lists them")
+        raise TrackingError(f"{name!r} is no run; python -m study runs lists them")
     return found[-1]
 
 

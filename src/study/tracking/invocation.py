@@ -19,8 +19,8 @@ from pathlib import Path
 from typing import Any
 
 from model.sweeps.files import write_json
-from model.tracking import TrackingError
-from model.tracking.history import (
+from study.tracking import TrackingError
+from study.tracking.history import (
     Record,
     completed,
     end_the_future,
@@ -31,8 +31,8 @@ from model.tracking.history import (
     set_aside_damaged,
     write_index,
 )
-from model.tracking.job import INVOCATION, git_state, lock_folder, say, versions
-from model.tracking.slurm import refuse_held_jobs
+from study.tracking.job import INVOCATION, git_state, lock_folder, say, versions
+from study.tracking.slurm import refuse_held_jobs
 
 PATIENCE = 5.0  # seconds: a process that was just killed may hold its lock for a moment
 

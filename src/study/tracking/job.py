@@ -27,13 +27,13 @@ from pathlib import Path
 from typing import IO, Any
 
 from model.sweeps.files import write_json
-from model.tracking import TrackingError
-from model.tracking.code import code_hash, code_of
+from study.tracking import TrackingError
+from study.tracking.code import code_hash, code_of
 
 # Environment variables from which a job, on any machine, learns the invocation that started it, and
 # the hashes of the configuration and the scripts' code at that time.
 INVOCATION, SUBMITTED = "VIBRALIGN_INVOCATION", "VIBRALIGN_SUBMITTED"
-_PACKAGE = Path(__file__).resolve().parents[1]
+_SOURCES = Path(__file__).resolve().parents[2]
 _TRACKED = ("numpy", "scipy", "llvmlite", "xarray", "netCDF4", "matplotlib", "snakemake")
 _RUN, _JOBS = Path(".snakemake/run.lock"), Path(".snakemake/jobs.lock")
 _locks: list[IO[str]] = []  # until this process ends
@@ -177,7 +177,7 @@ def git_state() -> dict[str, Any]:
         # Without the option, a status writes git's index under a lock. A killed job would leave the
         # lock behind, and git would refuse to work in the checkout.
         # A checkout of another owner, as in a container, is asked too: its code runs here anyway.
-        trusted = "--no-optional-locks", "-c", "safe.directory=*", "-C", str(_PACKAGE.parent)
+        trusted = "--no-optional-locks", "-c", "safe.directory=*", "-C", str(_SOURCES)
         own = {name: value for name, value in os.environ.items() if not name.startswith("GIT_")}
         command = ["git", *trusted, *arguments]
         asked = subprocess.run(command, capture_output=True, text=True, check=True, env=own)
