@@ -15,7 +15,7 @@ from benchmarks.methods.peers import all_methods  # noqa: E402
 from benchmarks.table import Row, compare, text, write  # noqa: E402
 from benchmarks.trajectories import all_problems  # noqa: E402
 from model.compile.identity import digest_of  # noqa: E402
-from model.engines.batch.scheduling import integrate_all  # noqa: E402
+from model.engine.scheduling import integrate_all  # noqa: E402
 
 # Points of a figure, neighbours of a trajectory, CPU seconds of a ladder, rounds of timing.
 _PLAN = 40, 8, 20.0, 5

@@ -16,7 +16,7 @@ from typing import Any
 
 import pytest
 
-from model.engines.results import RESULTS
+from model.engine.results import RESULTS
 from model.physics.parameters import PARAMETER_NAMES
 
 PROJECT = Path(__file__).resolve().parents[1]
@@ -36,12 +36,12 @@ EDITS = [
     ),
     ("physics/forces.py", "        lateral_suspension(q, p)", " + side_pull(p)"),
     (
-        "engines/results.py",
+        "engine/results.py",
         "class Results(Value, Generic[OutcomeT, ReasonT, Real, Count, Flag]):\n",
         '    first_height: Real = entry("height of the centre at the start", LENGTH)\n',
     ),
     (
-        "engines/lifecycle.py",
+        "engine/lifecycle.py",
         "    q, mode = start(p, scene.declared)\n",
         "    runs[i, AT.first_height] = q.y\n",
     ),
@@ -75,7 +75,7 @@ def collected(tree: ast.AST) -> Iterator[tuple[int, set[str]]]:
 
 @pytest.mark.parametrize(
     ("table", "stated_in"),
-    [(PARAMETER_NAMES, "physics/parameters.py"), (tuple(RESULTS), "engines/results.py")],
+    [(PARAMETER_NAMES, "physics/parameters.py"), (tuple(RESULTS), "engine/results.py")],
 )
 def test_no_other_place_in_the_package_lists_half_of_the_table(trees, table, stated_in):
     places = {
@@ -130,15 +130,15 @@ def told(source: Path, script: str, **environment: str) -> Any:
 VIEWS = """
 import contextlib, io, json, pathlib
 
-import model.cli.simulate
-from model import Batch, simulate
-from model.cli import main as cli
+import vibralign.commands.simulate
+from vibralign import Batch, simulate
+from vibralign.commands import main as cli
 from model.physics.notation import State
 from model.physics.parameters import Constants
 from model.physics.variants import Variants
-from model.study.config import baseline
+from vibralign.device.paper import baseline
 from model.sweeps.io import VARIABLES, parameter_attributes
-from model.device import load_device
+from vibralign.device import load_device
 
 def printed(*arguments):
     with contextlib.redirect_stdout(io.StringIO()) as out:
@@ -146,8 +146,8 @@ def printed(*arguments):
     return out.getvalue()
 
 # The unvibrated control takes the batch engine, which runs compiled only.
-model.cli.simulate.unvibrated_words = lambda *_: ""
-model.cli.simulate.unvibrated_record = lambda *_: {}
+vibralign.commands.simulate.unvibrated_words = lambda *_: ""
+vibralign.commands.simulate.unvibrated_record = lambda *_: {}
 base = baseline()
 pulled = base.replace(side_pull=0.5)
 peg = load_device(pathlib.Path("docs/peg.yaml"), {"side_pull": 2.0})
@@ -170,8 +170,8 @@ print(json.dumps({
 """
 
 SERIES = """
-from model.engines.batch.mode_kinds import ALIGNMENT_KINDS
-from model.engines.batch.series import recurrences
+from model.engine.mode_kinds import ALIGNMENT_KINDS
+from model.engine.series import recurrences
 from model.physics.parameters import Constants
 
 place = Constants._fields.index("side_pull")
@@ -203,8 +203,8 @@ def test_one_more_parameter_and_result_reach_every_view(tmp_path):
 
 PULLED = """
 import json
-from model import SUSPENDED, Settings, align, simulate
-from model.study.config import baseline
+from vibralign import SUSPENDED, Settings, align, simulate
+from vibralign.device.paper import baseline
 
 base = baseline().replace(side_pull=0.05)
 raised = base.replace(press_force=-3.0, frequency=0.0, lateral_damping=2.0)

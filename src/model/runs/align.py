@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from model.engines.results import RESULTS, VALUE_TYPES, Results, RunResult, results_table
+from model.engine.results import RESULTS, VALUE_TYPES, Results, RunResult, results_table
 from model.events.outcomes import Outcome
 from model.physics.parameters import Batch, Parameters
 from model.physics.tables import described
@@ -65,7 +65,7 @@ def align(
 ) -> Alignments:
     """Run every parameter set of ``batch`` to its end and estimate the error of its result.
 
-    As ``model.align``, which takes any devices; its errors.
+    As ``vibralign.align``, which takes any devices; its errors.
     """
     settings = settings_with(settings, changes)
     rows_of = batch if isinstance(batch, Batch) else Batch.stack(batch)

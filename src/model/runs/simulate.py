@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from model.engines.results import (
+from model.engine.results import (
     RESULTS,
     TRACK_VARIABLES,
     VALUE_TYPES,
@@ -16,7 +16,7 @@ from model.engines.results import (
     RunResult,
     results_table,
 )
-from model.engines.scalar.loop import TRACK_COLUMNS
+from model.engine.scalar.loop import TRACK_COLUMNS
 from model.events.outcomes import OUTCOME_TEXT, REASON_TEXT, Outcome, Reason, remedy
 from model.physics.notation import STATE_SIZE
 from model.physics.parameters import Batch, Parameters
@@ -89,7 +89,7 @@ Trajectory.__doc__ = described(Trajectory.__doc__, RESULTS)
 def simulate(
     parameters: Parameters, settings: Settings | None = None, **changes: Any
 ) -> Trajectory:
-    """Run one parameter set and return its trajectory, as ``model.simulate`` of any device."""
+    """Run one parameter set and return its trajectory, as ``vibralign.simulate`` of any device."""
     settings = settings_with(settings, changes)
     rows = settings.rows(Batch.stack([parameters]))
     found = estimate(scalar_engine(settings), rows, settings.tolerance, None, settings.horizon)
