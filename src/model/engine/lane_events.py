@@ -16,6 +16,8 @@ from model.compile.vector_code import WIDTH, each_lane
 from model.engine.levels import Level, bound_in, coefficient_in, level_in, levels_of
 from model.engine.mode_kinds import (
     MODES_OF_A_KIND,
+    USUAL_KINDS,
+    ModeKind,
     kind_in,
     kinds_of,
     lane_modes,
@@ -127,9 +129,11 @@ class LaneEvents:
         return self.combined + self.singles
 
 
-def _in_lanes(numbered: Numbered, events: Events, p: Any) -> tuple[LaneEvent, set[tuple[int, int]]]:
+def _in_lanes(
+    numbered: Numbered, events: Events, kinds: tuple[ModeKind, ...], p: Any
+) -> tuple[LaneEvent, set[tuple[int, int]]]:
     """Return an event as lanes have it, and the places of the modes in which it applies."""
-    cases, event, modes = [], numbered.event, lane_modes(events.inserts)
+    cases, event, modes = [], numbered.event, lane_modes(events.inserts, kinds)
     rough = p._replace(friction=1.0)  # with which every level applies that needs friction
     for applies, function in event.function:
         if any(applies(rough, mode) for mode, _ in modes):
@@ -154,18 +158,22 @@ def _sampled(events: Events) -> int:
 
 
 @cache
-def lane_events_of(events: Events, switches: tuple[float, ...] = CONSISTENT) -> LaneEvents:
+def lane_events_of(
+    events: Events, switches: tuple[float, ...] = CONSISTENT, is_resident: bool = False
+) -> LaneEvents:
     """Return the events of a table as the kernels of lanes take them, in a variant (``Variants``).
+
+    Those of a page are ``is_resident``, see ``Series``: it holds ``USUAL_KINDS`` only.
 
     Raises:
         ValueError: an event applies in a mode that lanes hold, but they lack its quantities, or not
             in all modes of its kind and number.
     """
-    kinds = kinds_of(events.inserts)
+    kinds = USUAL_KINDS if is_resident else kinds_of(events.inserts)
     symbols = symbols_of(events.constants, switches)
     masks, found = np.zeros((len(kinds), MODES_OF_A_KIND), np.int64), []
     for numbered in events.all:
-        each, places = _in_lanes(numbered, events, symbols)
+        each, places = _in_lanes(numbered, events, kinds, symbols)
         for place in places:
             masks[place] |= 1 << each.number
         found += [each] if each.cases else []
@@ -177,7 +185,9 @@ def lane_events_of(events: Events, switches: tuple[float, ...] = CONSISTENT) -> 
         of_friction=sum(1 << each.number for each in events.all if each.event.source == FORCES),
         kinds=numbers_of(kinds),
         varied=tuple(range(len(Mode._fields))) if events.inserts else VARIED,
-        series=Series(kinds, events.inserts, events.constants, switches, _sampled(events)),
+        series=Series(
+            kinds, events.inserts, events.constants, switches, _sampled(events), is_resident
+        ),
         symbols=symbols,
     )
 
@@ -187,7 +197,7 @@ def lane_events_of(events: Events, switches: tuple[float, ...] = CONSISTENT) -> 
 
 @inlined_kernel
 def kind_of(lanes, mode):
-    """Return the number of the kind of a mode."""
+    """Return the number of the kind of a mode, -1 if lanes do not hold it: in a page."""
     return kind_in(lanes.kinds, mode)
 
 

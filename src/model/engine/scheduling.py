@@ -285,13 +285,15 @@ def _place_in(waiting, kind, number):
 def _enqueue(scene, lanes, memory, results, i):
     """Put run ``i`` into the queue of its kind of mode, or write its result if it has ended.
 
-    Returns True if the run waits.
+    It fails in a mode that a page does not hold. Returns True if the run waits.
     """
     runs, waiting = memory.runs, memory.waiting
+    kind = kind_of(lanes, mode_of(runs, i))
+    if kind < 0 and runs[i, AT.outcome] == CONTINUES:
+        fail(scene, runs, i, REASON.UNDECLARED_CONTACT)
     if runs[i, AT.outcome] != CONTINUES:
         store_result(scene.events, runs, i, results, int(runs[i, AT.number_in_batch]))
         return False
-    kind = kind_of(lanes, mode_of(runs, i))
     waiting.used[0] = max(waiting.used[0], kind + 1)
     waiting.runs[kind, _place_in(waiting, kind, waiting.counts[kind])] = i
     waiting.counts[kind] += 1

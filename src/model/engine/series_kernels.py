@@ -133,10 +133,6 @@ class Series:
         """Load a function: compile it, unless it is stored, and write its address."""
         self.addresses[number] = address_of((*self.fill, *self.fill_errors)[number])
 
-    def resident(self) -> "Series":
-        """Return these functions as part of the code that calls them."""
-        return Series(*self._arguments, is_resident=True)
-
 
 def _written(
     name: str,

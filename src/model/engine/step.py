@@ -50,8 +50,8 @@ from model.events.friction import REST_SLIP, without_slip
 from model.physics.modes import OPEN
 from model.physics.trigonometry import sine_cosine
 
-# Lines whose terms limit a step, of plane and of round parts: states and places and, with tips, their
-# load and slip, whose series end sooner than those of the states.
+# Lines whose terms limit a step, of plane and of round parts: states and places; with tips, their
+# load and slip too, whose series end sooner than those of the states.
 _OF_TIPS = FACE_LOAD, LINE["support_friction"]
 _LINES_OF_STEPS = (
     tuple(range(CONTACTS_AT)),

@@ -10,7 +10,6 @@ import json
 import shutil
 import tempfile
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -85,8 +84,7 @@ class _Declared(NamedTuple):
 def _declared(is_round: bool) -> _Declared:
     """Return the function, of the insertion scene."""
     scene = in_kernels(INSERTION, is_round)
-    lanes = lane_events_of(scene.events)
-    lanes = replace(lanes, series=lanes.series.resident())
+    lanes = lane_events_of(scene.events, is_resident=True)
     return _Declared(
         _run(scene, lanes),
         {
