@@ -4,9 +4,9 @@ from math import cos, sin, tan
 
 import numpy as np
 import pytest
-from model.engine.scalar.step import state_of
 
 from benchmarks.methods import by_hand
+from benchmarks.methods.by_hand import state_of
 from model.compile.entries import compiled
 from model.events.event_functions import edge_inside
 from model.events.sources import corner_positions

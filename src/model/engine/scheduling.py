@@ -68,7 +68,7 @@ from model.events.transitions import CONTINUES
 from model.physics.modes import CLOSED, Mode
 from model.physics.notation import STATE_SIZE
 
-_POOL = 128  # largest number of runs that a thread has at once
+MOST_RUNS = 128  # largest number of runs that a thread has at once
 _FIRST_LONGEST = 1.0  # bound of a run's first step
 _MOST_GROWTH = 5.0  # of a step, from the one before
 
@@ -254,13 +254,13 @@ class Memory(NamedTuple):
 
 
 def new_memory(
-    lanes: LaneEvents, may_settle: bool = True, runs: int = _POOL, rows: int = 0
+    lanes: LaneEvents, may_settle: bool = True, runs: int = MOST_RUNS, rows: int = 0
 ) -> Memory:
-    """Return the memory of a thread for so many ``runs``, or ``_POOL``, without any.
+    """Return the memory of a thread for so many ``runs``, or ``MOST_RUNS``, without any.
 
     It has histories only if runs ``may_settle``, and a track of ``rows`` for a single run.
     """
-    kinds, runs = len(lanes.series.fill), min(runs, _POOL)
+    kinds, runs = len(lanes.series.fill), min(runs, MOST_RUNS)
     shapes = (kinds, runs), (kinds,), (kinds,), (1,)
     return Memory(
         workspace.new_workspace(lanes.lines),

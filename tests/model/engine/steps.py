@@ -52,12 +52,20 @@ class OneRun:
     """A run of the constants ``p``, from its start or from a state in a mode."""
 
     def __init__(
-        self, p, scene: Scene = ALIGNMENT, *, tolerance=1e-12, horizon=1e9, settles=False
+        self,
+        p,
+        scene: Scene = ALIGNMENT,
+        *,
+        tolerance=1e-12,
+        horizon=1e9,
+        settles=False,
+        control: Control | None = None,
     ) -> None:
         self.p, self.scene = p, in_kernels(scene, p.is_round)
         self.lanes = lane_events_of(self.scene.events)
         self.memory = new_memory(self.lanes, runs=1)
-        self.control = Control(horizon, 50_000_000, NOISE * tolerance * settles, 0.0, 0.0)
+        free = Control(horizon, 50_000_000, NOISE * tolerance * settles, 0.0, 0.0)
+        self.control = control or free
         begin(np.array(p), tolerance, self.scene, self.control, self.memory.runs, 0)
         self.memory.runs[0, AT.next_step] = 1.0
 
@@ -67,12 +75,16 @@ class OneRun:
         run[AT.outcome], run[AT.reason], run[AT.time] = CONTINUES, 0.0, time
         run[STATE : STATE + 6], run[MODE : MODE + len(mode)] = state, mode
 
+    def load(self):
+        """Load the series that the next step needs."""
+        while (missing := missing_in(self.lanes, self.memory)) >= 0:
+            self.lanes.series.load(missing)
+
     def step(self, longest=None):
         """Make a step, of at most ``longest``, and return its length; the run stays before it."""
         if longest is not None:
             self.memory.runs[0, AT.next_step] = longest
-        while (missing := missing_in(self.lanes, self.memory)) >= 0:
-            self.lanes.series.load(missing)
+        self.load()
         step(self.lanes, self.control, self.memory)
         return self.memory.w[workspace.STEP_LENGTH * WIDTH]
 
