@@ -15,7 +15,12 @@ import pytest
 
 from model.compile.entries import compiled
 from model.compile.kernels import kernel
+from model.compile.vector_code import WIDTH
+from model.engine import scheduling
+from model.engine.event_search import state_at
+from model.engine.lane_events import kind_of
 from model.engine.record import AT, STATE, constants_in, mode_of, state_in
+from model.engine.workspace import STEP_LENGTH
 from model.events.outcomes import Reason
 from model.events.transitions import CONTINUES
 from model.physics.contacts import corner_on_flat, dot, edge_on_side, support_on_face

@@ -1,4 +1,4 @@
-"""The insertion scene: the same alignment as without it, and and a tighter tolerance agrees on the end."""
+"""The insertion scene: the alignment of the other scene, and an end that tolerances agree on."""
 
 from dataclasses import replace
 
