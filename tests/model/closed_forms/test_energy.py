@@ -32,7 +32,7 @@ from tests.model.engine.steps import OneRun
 from verification.fuzz import draw
 from vibralign import Batch, Outcome, Parameters, Settings, Variants
 
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
 NODES, WEIGHTS = 0.5 * (_NODES + 1.0), 0.5 * _WEIGHTS
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from model.engine.lane_events import applicable_in, kind_of, lane_events_of
-from model.engine.mode_kinds import lane_modes, mode_in_kind
+from model.engine.mode_kinds import kinds_of, lane_modes, mode_in_kind
 from model.engine.track import COLUMNS
 from model.events.insertion import INSERTION
 from model.events.kernels import in_kernels
@@ -80,4 +80,6 @@ def test_every_mode_that_runs_meet_has_been_listed(scene: Scene, shape: Shape, s
     ]
     places = {(int(kind_of(lanes, mode)), mode_in_kind(mode)) for mode in modes}
     assert len(places) > 5
-    assert places <= {place for _, place in lane_modes(scene is INSERTION)}
+    assert places <= {
+        place for _, place in lane_modes(scene is INSERTION, kinds_of(scene is INSERTION))
+    }

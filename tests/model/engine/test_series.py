@@ -146,7 +146,7 @@ class Step:
         kind = kind_of(support, side)
         self.applicable = int(applicable_in(lanes, kind, self.constants(0), self.mode(0)))
         self.w[workspace.APPLICABLE] = self.applicable
-        for number in (kind, len(ALIGNMENT_KINDS) + kind):
+        for number in (kind, len(lanes.series.fill) + kind):
             lanes.series.load(number)
         step_all(lanes, kind, self.applicable, control, lanes.series.addresses, flat)
         coefficients = self.w[COEFFICIENTS : COEFFICIENTS + ORDERS * LINES]
@@ -301,7 +301,7 @@ def test_the_series_of_the_insertion_scene_solve_the_equations_of_motion(shape, 
     state[0] = w[line["slot_half_width"]] + 0.1 - a * np.cos(state[2]) - b * np.sin(state[2])
     if SIDE_CONTACTS[kind.side].edge and SIDE_CONTACTS[kind.side].corner:
         state[0] = a * np.cos(state[2]) - b * np.sin(state[2]) - w[line["slot_half_width"]] - 0.1
-    if shape == "round" and kind.place == ON_LEFT_EDGE:  # tips over A2
+    if shape == "round" and kind.place == ON_LEFT_EDGE and kind.support != FREE:  # tips over A2
         state[0] *= -1.0
     w[COEFFICIENTS : COEFFICIENTS + 6] = state
     angle = w[line["frequency"]] * 0.3 + w[line["phase"]]
