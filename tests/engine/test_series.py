@@ -116,7 +116,7 @@ class Step:
             if name == "friction" or name.endswith("_damping"):
                 named[name][:] = 0.0
         self.w[GIVEN - 2 : GIVEN] = rng.choice([-1.0, 1.0], (2, WIDTH))
-        self.w[workspace.TIME], self.w[workspace.DEADLINE] = 0.3, 10.0
+        self.w[workspace.TIME], self.w[workspace.HALT] = 0.3, 10.0
         self.w[workspace.TOLERANCE], self.w[workspace.LONGEST] = tolerance, longest
         self.w[FACE], self.w[SIDE] = NORMAL[support], NORMAL[side]
         signs = self.w[GIVEN - 2 : GIVEN]

@@ -18,9 +18,9 @@ from model.device.amounts import read_amount
 from model.device.base import BASE, CENTRE, CENTRE_WORDS
 from model.device.holder import RATIOS
 from model.device.spelling import plain
+from model.physics.approach import Start
 from model.physics.parameters import FIELDS, PARAMETER_NAMES, Parameters, Shape, check_name
 from model.physics.quantities import LENGTH, TIME
-from model.physics.rest import Start
 from model.physics.units import UNITS, Units
 from model.physics.variants import VARIANT_NAMES, Variant, Variants
 from model.runs.settings import SCENES, Settings

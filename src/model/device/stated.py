@@ -13,9 +13,9 @@ from model.device.amounts import Tolerance, read_amount, read_range
 from model.device.base import BASE, CENTRE, SOURCES, pair_of, with_base
 from model.device.holder import RATIOS, with_damping
 from model.device.plausibility import check_place, check_press, doubts
+from model.physics.approach import Start
 from model.physics.parameters import FIELDS, PARAMETER_NAMES, Parameters, Shape, check_name
 from model.physics.quantities import LENGTH
-from model.physics.rest import Start
 from model.physics.tables import Value, vars_of
 from model.physics.units import UNITS, Device, Units, device
 from model.runs.settings import Settings
