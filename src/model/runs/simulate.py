@@ -37,9 +37,9 @@ class Trajectory(Results[Outcome, Reason, float, int, bool]):
     normal force under the part, ``side_force``, that on the left side (A2, and B2 on the wall), and
     ``right_force``, that on the right side of the slot, have shape (n,). Where a force jumps, its
     time occurs twice. Before the first touch of a part that is lowered, or the onset of its
-    vibration, ``time`` is negative. An aligned run continues until the corners are inside, in the insertion scene
-    until the part is inserted. ``units`` are those of a device in SI units, else None:
-    ``tau_align`` times ``units.time`` is in seconds.
+    vibration, ``time`` is negative. An aligned run continues until the corners are inside, in the
+    insertion scene until the part is inserted. ``units`` are those of a device in SI units, else
+    None: ``tau_align`` times ``units.time`` is in seconds.
     """
 
     parameters: Parameters
