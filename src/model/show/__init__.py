@@ -1,1 +1,0 @@
-"""Show results: figures, schematics, device sheets, the report and the explorer."""

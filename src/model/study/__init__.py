@@ -1,1 +1,0 @@
-"""The study: its configuration, figures, maps and claims, and the search for the device."""

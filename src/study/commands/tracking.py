@@ -1,0 +1,283 @@
+"""``runs``, ``show``, ``diff`` and ``export``: the recorded history of the study."""
+
+import argparse
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from model.events.outcomes import Outcome
+from model.physics.parameters import check_name
+from study.commands.options import add_root, figure_name
+from study.tracking import TrackingError
+from study.tracking.compare import Change
+from study.tracking.diff import Comparison, compare
+from study.tracking.history import (
+    RUN_STATUS,
+    Record,
+    find_invocation,
+    find_run,
+    has_outcome,
+    load_history,
+    load_runs,
+)
+from vibralign.commands.program import add_command, add_json
+from vibralign.commands.tables import cell, pairs, print_json, table
+
+_OUTCOMES = tuple(
+    dict.fromkeys([*RUN_STATUS, *(each.name.lower() for each in Outcome), "sensitive"])
+)
+_LONGEST = 120  # characters of a reason in a list
+_LISTED = 12  # lines of a section of differences; --all shows the rest
+
+
+def add(commands: Any) -> None:
+    """Add the commands to the parsers of the study."""
+    words = "list the study's runs, failed and interrupted ones included"
+    parser = add_command(commands, "runs", _runs, words, ", oldest first.")
+    add_root(parser)
+    add_json(parser)
+    add = parser.add_argument
+    add("--figure", metavar="FIG", help="only those of a figure, such as fig06 or 6")
+    words = (
+        f"only those with this status, or with a trajectory of this outcome: {', '.join(_OUTCOMES)}"
+    )
+    add("--outcome", metavar="OUTCOME", help=words)
+    words = "list the invocations of Snakemake instead, by outcome if wanted"
+    add("--invocations", action="store_true", help=words)
+
+    words = "show all that is recorded of a run or an invocation"
+    parser = add_command(commands, "show", _show, words)
+    add_root(parser)
+    add_json(parser)
+    words = (
+        "a run such as merge/fig06 (the latest of that name), merge/fig06@INVOCATION, or an "
+        "invocation: the beginning of its name, or last"
+    )
+    parser.add_argument("what", metavar="RUN", help=words)
+
+    parser = add_command(
+        commands,
+        "diff",
+        _diff,
+        "list the differences between two results folders",
+        ": parameters, metrics, the largest change of every figure's variables, claims.",
+        epilog="exit code: 0 nothing differs; 1 something does; 2 bad input",
+    )
+    add_json(parser)
+    parser.add_argument("first", type=Path, metavar="A", help="a results folder")
+    parser.add_argument("second", type=Path, metavar="B", help="another, as of another checkout")
+    parser.add_argument("--all", action="store_true", help="every difference, however many")
+
+    parser = add_command(
+        commands,
+        "export",
+        _export,
+        "write an invocation of the study as an MLflow run",
+        ". Needs the extra: pip install 'vibralign[export]'.",
+    )
+    parser.add_argument("tool", choices=("mlflow",))
+    words = "an MLflow server, or sqlite:///FILE, which may be new"
+    parser.add_argument("--tracking-uri", required=True, metavar="URI", help=words)
+    words = "the beginning of an invocation's name, or last (default: last)"
+    parser.add_argument("--invocation", default="last", metavar="NAME", help=words)
+    add_root(parser, "results root that it belongs to")
+
+
+def _runs(arguments: argparse.Namespace) -> int:
+    outcome, figure = arguments.outcome, arguments.figure and figure_name(arguments.figure)
+    if outcome is not None:
+        check_name(outcome, _OUTCOMES, "outcome")
+    if arguments.invocations and figure:
+        raise ValueError("--figure: is a condition on runs; leave out --invocations")
+    records = (load_history if arguments.invocations else load_runs)(arguments.root)
+    found = [
+        each
+        for each in records
+        if (not figure or each["figure"] == figure)
+        and (outcome is None or has_outcome(each, outcome))
+    ]
+    if arguments.json:
+        print_json(found)
+        return 0
+    if arguments.invocations:
+        print("\n".join(table([_invocation_line(each) for each in found], _INVOCATION_COLUMNS)))
+        return 0
+    print("\n".join(table([_run_line(run) for run in found], _RUN_COLUMNS)))
+    print(f"{len(found)} runs")
+    return 0
+
+
+_RUN_COLUMNS = (
+    "started", "run", "status", "seconds", "trajectories", "aligned", "sensitive", "commit", "",
+)  # fmt: skip
+_INVOCATION_COLUMNS = (
+    "invocation", "outcome", "started", "seconds", "runs", "failed", "commit", "command", "",
+)  # fmt: skip
+
+
+def _run_line(run: Record) -> dict[str, Any]:
+    """Return a run as a line of a table."""
+    counts = run.get("counts", {})
+    return {
+        "started": run["started"][:19],
+        "run": run["run"],
+        "status": run["status"],
+        "seconds": run.get("wall_seconds"),
+        "trajectories": counts.get("trajectories"),
+        "aligned": counts.get("aligned"),
+        "sensitive": counts.get("sensitive"),
+        "commit": _commit_of(run),
+        "": _shortened(run.get("reason", "" if run["current"] else "replaced since")),
+    }
+
+
+def _shortened(reason: str) -> str:
+    """Return the beginning of a reason for a list; `show` and --json print all of it."""
+    return reason if len(reason) <= _LONGEST else f"{reason[:_LONGEST]}…"
+
+
+def _invocation_line(record: Record) -> dict[str, Any]:
+    return {
+        "invocation": record["invocation"],
+        "outcome": record["outcome"],
+        "started": record["started"][:19],
+        "seconds": record["wall_seconds"],
+        "runs": len(record["runs"]),
+        "failed": len(record["failures"]),
+        "commit": _commit_of(record),
+        "command": " ".join(record["command"]),
+        "": _shortened(record.get("reason", "")),
+    }
+
+
+def _commit_of(record: Record) -> str:
+    """Return the beginning of the commit of a record, with + where there were changes."""
+    git = record.get("git", {})
+    return git.get("commit", "")[:8] + ("+" if git.get("dirty") else "")
+
+
+def _show(arguments: argparse.Namespace) -> int:
+    runs = load_runs(arguments.root)
+    if arguments.what.partition("@")[0] in {run["run"] for run in runs}:
+        record = find_run(runs, arguments.what)
+        lines = _run_lines(record)
+    else:
+        try:
+            record = find_invocation(load_history(arguments.root), arguments.what)
+        except TrackingError:
+            raise TrackingError(
+                f"{arguments.what!r} is neither a run nor an invocation; "
+                "python -m study runs lists them"
+            ) from None
+        lines = _invocation_lines(record)
+    if arguments.json:
+        print_json(record)
+    else:
+        print("\n".join(lines))
+    return 0
+
+
+_HEAD = ("run", "status", "reason", "log", "current", "started", "wall_seconds", "invocation",
+         "code", "config_hash")  # fmt: skip
+
+
+def _run_lines(run: Record) -> list[str]:
+    head = {name: run[name] for name in _HEAD if run.get(name) not in (None, "")}
+    lines = pairs({**head, "commit": _commit_of(run)})
+    sections = {
+        "counts": run.get("counts"),
+        "parameters": run.get("parameters"),
+        "varied": {
+            axis["parameter"]: axis.get("values")
+            or f"{cell(axis['start'])} to {cell(axis['stop'])}, {axis['count']} values"
+            for axis in run.get("dimensions", [])
+        },
+        "settings": run.get("settings"),
+        "inputs": run.get("inputs"),
+        "outputs": run.get("outputs"),
+        "versions": run.get("versions"),
+    }
+    for name, values in sections.items():
+        if values:
+            lines += ["", f"{name}:", *(f"  {line}" for line in pairs(values))]
+    return lines
+
+
+def _invocation_lines(record: Record) -> list[str]:
+    head = ("invocation", "outcome", "reason", "started", "ended", "wall_seconds", "host",
+            "snakemake_log")  # fmt: skip
+    values = {name: record[name] for name in head if record.get(name) is not None}
+    command = " ".join(record["command"])
+    lines = pairs({**values, "command": command, "commit": _commit_of(record)})
+    for failure in record["failures"]:
+        lines += ["", f"{failure['run']} {failure['status']}: {failure['reason']}"]
+        lines += [f"  {failure['log']}"]
+    lines += ["", f"{len(record['runs'])} runs done"]
+    columns = ("run", "seconds", "trajectories", "aligned", "sensitive")
+    rows = [_run_line({**run, "status": "done", "current": True}) for run in record["runs"]]
+    return lines + table(rows, columns) if rows else lines
+
+
+def _diff(arguments: argparse.Namespace) -> int:
+    found = compare(arguments.first, arguments.second)
+    if arguments.json:
+        print_json(asdict(found))
+    else:
+        print("\n".join(_diff_lines(found, None if arguments.all else _LISTED)))
+    return int(found.differs)
+
+
+def _diff_lines(found: Comparison, listed: int | None) -> list[str]:
+    """Return a comparison in words, at most ``listed`` lines a section."""
+    lines = [f"A: {found.first}", f"B: {found.second}"]
+    columns = ("where", "name", "before", "after")
+    sections = {"parameters": found.parameters, "metrics": found.metrics, "code": found.code}
+    if found.claims is not None:
+        sections["claims"] = found.claims
+    for title, differences in sections.items():
+        lines += _section(title, [asdict(each) for each in differences], columns, listed)
+    data = ("figure", "variable", "points", "differing", "largest", "at", "A", "B", "gaps")
+    lines += _section("data", [_change(each) for each in found.data], data, listed)
+    if found.other_data:
+        lines += ["", "tables that differ:"]
+        lines += [f"  {each}" for each in found.other_data]
+    if found.not_compared:
+        lines += ["", "not compared:", *(f"  {each}" for each in found.not_compared)]
+    return lines
+
+
+def _section(
+    title: str, rows: Sequence[dict[str, Any]], columns: Sequence[str], listed: int | None
+) -> list[str]:
+    if not rows:
+        return ["", f"{title}: the same"]
+    shown = rows[:listed]
+    lines = ["", f"{title}: {len(rows)} differ", *(f"  {line}" for line in table(shown, columns))]
+    if len(shown) < len(rows):
+        lines.append(f"  … and {len(rows) - len(shown)} more: --all shows them")
+    return lines
+
+
+def _change(change: Change) -> dict[str, Any]:
+    gaps = f"+{change.appeared} -{change.vanished}" if change.appeared or change.vanished else ""
+    return {
+        "figure": change.figure,
+        "variable": change.variable,
+        "points": change.points,
+        "differing": change.differing,
+        "largest": f"{change.largest:.3g}",
+        "at": change.at,
+        "A": change.before,
+        "B": change.after,
+        "gaps": gaps,
+    }
+
+
+def _export(arguments: argparse.Namespace) -> int:
+    from study.tracking.export import EXPERIMENT, to_mlflow  # noqa: PLC0415  (seldom needed)
+
+    record = find_invocation(load_history(arguments.root), arguments.invocation)
+    run = to_mlflow(record, arguments.root, arguments.tracking_uri)
+    print(f"{arguments.tracking_uri}: run {run} of experiment {EXPERIMENT}")
+    return 0

@@ -1,0 +1,89 @@
+"""The whole study: its sections, and the parameters of each figure, run and case."""
+
+from pydantic import model_validator
+
+from model.physics.parameters import Parameters, check_name
+from model.sweeps.axes import Strict
+from model.sweeps.settings import RunSettings
+from study.config.accuracy import Accuracy
+from study.config.base import ParameterValues, Text
+from study.config.evidence import Evidence
+from study.config.figures import FIGURES, FigureSpec, Maps, Plane
+from study.config.identification import Identification
+from study.config.methods import Precision
+from study.config.runs import ClaimRun, Jamming
+
+
+class Study(Strict):
+    """The whole study; see config/."""
+
+    results_root: Text
+    """Folder of the results."""
+    settings: RunSettings
+    """Settings of every run."""
+    structure: ParameterValues
+    """Parameters of the device."""
+    operating_point: ParameterValues
+    """Default values of the parameters that figures vary."""
+    figures: dict[str, FigureSpec]
+    """Figures of the paper, fig01 to fig14."""
+    maps: Maps
+    """Stability maps."""
+    accuracy: Accuracy
+    """Trials of the integrator's accuracy on random sets."""
+    precision: Precision
+    """Comparison of the methods' cost against their error."""
+    claims_runs: dict[str, ClaimRun]
+    """Curves that only the claims need, by name."""
+    identification: Identification
+    """The search for the parameters that the paper leaves unstated."""
+    evidence: Evidence
+    """Random devices and other assumptions, judged by the claims."""
+    jamming: Jamming
+    """Jamming in the slot over friction, clearance and tilt at entry."""
+
+    @model_validator(mode="after")
+    def _figures_exist(self) -> "Study":
+        for name in self.figures:
+            try:
+                check_name(name, FIGURES, "figure")
+            except ValueError as unknown:
+                words = "a new figure is also named in src/study/config/figures.py"
+                raise ValueError(f"{unknown}; {words}") from None
+        missing = [name for name in FIGURES if name not in self.figures]
+        if missing:
+            raise ValueError(f"figures: missing {', '.join(missing)}")
+        twice = sorted(set(self.structure) & set(self.operating_point))
+        if twice:
+            raise ValueError(f"{', '.join(twice)}: stated in both structure and operating_point")
+        return self
+
+    @property
+    def baseline(self) -> Parameters:
+        """Device at its default operating point."""
+        return Parameters(**self.structure, **self.operating_point)
+
+    def spec_of(self, name: str) -> FigureSpec | Plane:
+        """Return what is stated of a figure or of a further map.
+
+        Raises:
+            ValueError: there is no figure or map of this name.
+        """
+        stated: dict[str, FigureSpec | Plane] = {**self.figures, **self.maps.planes}
+        check_name(name, [*stated], "figure or map")
+        return stated[name]
+
+    def parameters(self, name: str) -> Parameters:
+        """Return the parameters that a figure or map holds; those it varies are the baseline's."""
+        return self.baseline.replace(**self.spec_of(name).held)
+
+    def claim_parameters(self, name: str) -> Parameters:
+        """Return the parameters that a run of the claims holds; others are the baseline's."""
+        run = self.claims_runs[name]
+        parameters = self.parameters(run.figure)
+        return parameters.replace(**run.changes(parameters.half_width, parameters.clearance))
+
+    def case(self, name: str) -> Parameters:
+        """Return the operating point of a case: that of its figure, changed by its own values."""
+        case = self.precision.cases[name]
+        return self.parameters(case.figure).replace(**case.at)

@@ -1,0 +1,248 @@
+"""The reference: small datasets kept with the code, with which a build is compared.
+
+Tolerances follow from the estimated error of every point. Outcomes may differ only at points that
+the reference flags as sensitive or chaotic. An intended difference is accepted: ``accepted.csv``
+states its reason and its size.
+"""
+
+import shutil
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from model.engine.results import RESULTS, TRACK_VARIABLES, UNVIBRATED_CONTROL
+from model.engine.tolerances import Compared
+from model.events.outcomes import Reason
+from model.sweeps.files import atomic_write, write_text
+from model.sweeps.io import read_dataset
+from study.config.figures import COMPUTED, SCHEMATICS
+from study.csv_tables import csv_text
+from study.tracking import TrackingError
+from study.tracking.compare import (
+    CLAIMS,
+    Change,
+    change_of,
+    changed_verdicts,
+    changes_of,
+    common_points,
+)
+from study.tracking.job import git_state
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+LOG = "accepted.csv"
+LOG_COLUMNS = (
+    "date", "what", "reason", "commit", "variable", "points", "differing", "largest", "at",
+    "before", "after", "appeared", "vanished",
+)  # fmt: skip
+
+NEW_SENSITIVE_SHARE = 0.02
+# A course between the ends of steps, linear where the reference's is: relative to its range.
+COURSE_TOLERANCE = 2e-3
+
+
+@dataclass(frozen=True)
+class Disagreement:
+    """A difference that the tolerances do not allow; ``words`` describe it for the user."""
+
+    figure: str
+    variable: str
+    points: int
+    words: str
+
+
+# --- The comparison -----------------------------------------------------------------------------
+
+
+def compare_with_reference(reference: "xr.Dataset", built: "xr.Dataset") -> list[Disagreement]:
+    """Return the differences between two datasets of a figure that the tolerances do not allow."""
+    figure = str(reference.attrs["figure"])
+    differing = [
+        str(name)
+        for name, coordinate in reference.coords.items()
+        if name != "time"
+        and (name not in built.coords or not coordinate.variable.equals(built[name].variable))
+    ]
+    if differing:
+        words = f"is not computed with the reference's parameters: {', '.join(differing)}"
+        return [Disagreement(figure, "parameters", 0, words)]
+    findings = [*_outcomes(reference, built), *_numbers(reference, built)]
+    if "time" in reference.coords:
+        findings += _courses(reference, built)
+    return [Disagreement(figure, *each) for each in findings]
+
+
+_Found = tuple[str, int, str]
+
+
+def _values(dataset: "xr.Dataset", name: str) -> NDArray[Any]:
+    return np.atleast_1d(dataset[name].values).ravel()
+
+
+def _regular(reference: "xr.Dataset") -> NDArray[np.bool_]:
+    """Return a mask of the points with a certain outcome: neither sensitive nor chaotic."""
+    chance = _values(reference, "reason") == Reason.CHAOTIC
+    return (_values(reference, "sensitive") == 0) & ~chance
+
+
+def _outcomes(reference: "xr.Dataset", built: "xr.Dataset") -> Iterator[_Found]:
+    regular = _regular(reference)
+    for name in ("outcome", "reason"):
+        flipped = regular & (_values(reference, name) != _values(built, name))
+        if flipped.any():
+            where = _place(reference, flipped)
+            yield name, int(flipped.sum()), f"differs at points that are not sensitive, as {where}"
+    fresh = regular & (_values(built, "sensitive") != 0)
+    allowed = max(2, int(NEW_SENSITIVE_SHARE * regular.size))
+    if fresh.sum() > allowed:
+        words = f"is set at {fresh.sum()} more points than in the reference, {allowed} are allowed"
+        yield "sensitive", int(fresh.sum()), words
+
+
+def _numbers(reference: "xr.Dataset", built: "xr.Dataset") -> Iterator[_Found]:
+    outcome = _values(reference, "outcome")
+    error = _values(reference, "tau_error").astype(np.float64)
+    same_end = _regular(reference) & (outcome == _values(built, "outcome"))
+    for name, result in {**RESULTS, **UNVIBRATED_CONTROL}.items():
+        if result.tolerance is None or not result.stored:
+            continue
+        old, new = (_values(each, name).astype(np.float64) for each in (reference, built))
+        distance, allowed = np.abs(new - old), result.tolerance(Compared(old, error, outcome))
+        one_sided = np.isnan(old) != np.isnan(new)
+        wrong = same_end & (one_sided | (distance > allowed))
+        if wrong.any():
+            excess = np.full(distance.shape, np.inf)
+            np.divide(distance, allowed, out=excess, where=~one_sided & (allowed > 0.0))
+            worst = int(np.argmax(np.where(wrong, excess, -1.0)))
+            where = _place(reference, np.arange(wrong.size) == worst)
+            became = f"{old[worst]:.9g} became {new[worst]:.9g} ({allowed[worst]:.1e} allowed)"
+            yield name, int(wrong.sum()), f"{became} at {where}"
+
+
+def _courses(reference: "xr.Dataset", built: "xr.Dataset") -> Iterator[_Found]:
+    old, new = common_points(reference, built)
+    for name in (name for name, each in TRACK_VARIABLES.items() if each.stored):
+        extent = float(np.ptp(reference[name].values)) or 1.0
+        change = change_of(old[name], new[name], "")
+        if change.largest > COURSE_TOLERANCE * extent:
+            moment = change.at.get("time", float("nan"))
+            yield name, change.differing, f"differs by {change.largest:.2e} at τ = {moment:.4g}"
+
+
+def _place(dataset: "xr.Dataset", mask: NDArray[np.bool_]) -> str:
+    """Return the coordinates of the first True point of ``mask``, in words."""
+    variable = dataset["outcome"]
+    place = np.unravel_index(int(np.argmax(mask)), variable.shape) if variable.shape else ()
+    named = zip(variable.dims, place, strict=True)
+    return ", ".join(f"{name} = {dataset[name].values[i]:g}" for name, i in named) or "the run"
+
+
+def verify(root: Path, reference: Path, figures: Sequence[str] = COMPUTED) -> list[Disagreement]:
+    """Return the differences of a build from the reference that are not allowed."""
+    findings = []
+    for figure in figures:
+        accepted, built = reference / f"{figure}.nc", root / "data" / f"{figure}.nc"
+        if not accepted.is_file():
+            words = f"has no reference: python -m study accept --figure {figure} --reason ..."
+            findings.append(Disagreement(figure, "dataset", 0, words))
+        elif not built.is_file():
+            findings.append(Disagreement(figure, "dataset", 0, f"{built} is missing: build it"))
+        else:
+            try:
+                findings += compare_with_reference(read_dataset(accepted), read_dataset(built))
+            except KeyError as missing:
+                reason = str(missing.args[0]).partition(". ")[0]
+                words = f"{built} cannot be compared with {accepted} ({reason}): build it again"
+                findings.append(Disagreement(figure, "dataset", 0, words))
+    if (reference / CLAIMS).is_file():
+        findings += _claims(reference / CLAIMS, root / CLAIMS)
+    return findings
+
+
+def _claims(accepted: Path, built: Path) -> list[Disagreement]:
+    if not built.is_file():
+        return [Disagreement(CLAIMS, "verdict", 0, f"{built} is missing: build it")]
+    return [
+        Disagreement(CLAIMS, each.name, 1, f"{each.before} became {each.after}")
+        for each in changed_verdicts(accepted, built)
+    ]
+
+
+# --- Accepting ----------------------------------------------------------------------------------
+
+
+def accept(root: Path, reference: Path, what: Sequence[str], reason: str) -> list[str]:
+    """Make results of a build of the small study the reference; return a line for each of them.
+
+    ``what`` are names of figures, and "claims" for the verdicts. The log keeps the reason beside
+    the numbers.
+
+    Raises:
+        TrackingError: the reason is not in words, or results are missing.
+    """
+    if len(reason.split()) < 2:
+        raise TrackingError(f"--reason {reason!r}: say in a few words why it is right")
+    sources = {name: _sources(root, name) for name in what}
+    now, commit = datetime.now(UTC).date().isoformat(), git_state().get("commit")
+    rows, words = [], []
+    for name, files in sources.items():
+        changes = _changes(files, reference, name)
+        stated = {"date": now, "what": name, "reason": reason, "commit": commit}
+        rows += [{**stated, **change} for change in changes]
+        words.append(f"{name}: {len(changes)} lines in {LOG}")
+        for file in files:
+            with atomic_write(reference / file.name) as part:
+                shutil.copyfile(file, part)
+    header, *lines = csv_text(LOG_COLUMNS, rows).splitlines(keepends=True)
+    log = reference / LOG
+    before = log.read_text(encoding="utf-8") if log.is_file() else header
+    write_text(before + "".join(lines), log)
+    return words
+
+
+def _sources(root: Path, name: str) -> list[Path]:
+    """Return the files to copy: a figure's dataset, if it has one, then its picture."""
+    files = [root / "data" / f"{name}.nc"] if name in COMPUTED else []
+    files.append(root / CLAIMS if name == "claims" else root / "figures" / f"{name}.png")
+    for file in files:
+        if not file.is_file():
+            raise TrackingError(f"{file} is missing: build the study that is to be accepted")
+    return files
+
+
+def _changes(files: Sequence[Path], reference: Path, name: str) -> list[dict[str, Any]]:
+    """Return a row of the log for each change; one row for a result without a reference."""
+    built, accepted = files[0], reference / files[0].name
+    if not accepted.is_file():
+        return [{"variable": "(first)"}]
+    if name == "claims":
+        return [
+            {"variable": each.name, "before": each.before, "after": each.after}
+            for each in changed_verdicts(accepted, built)
+        ]
+    drawn, kept = files[-1], reference / files[-1].name
+    same = kept.is_file() and kept.read_bytes() == drawn.read_bytes()
+    picture = [] if same else [{"variable": "picture"}]
+    if name in SCHEMATICS:
+        return picture
+    old, new = read_dataset(accepted), read_dataset(built)
+    if old["outcome"].dims != new["outcome"].dims:
+        return [{"variable": "(another grid)"}]
+    return [*map(_log_line, changes_of(old, new, name)), *picture]
+
+
+def _log_line(change: Change) -> dict[str, Any]:
+    line = asdict(change) | {
+        "largest": f"{change.largest:.3g}",
+        "at": " ".join(f"{name}={value:g}" for name, value in change.at.items()),
+        "before": f"{change.before:.9g}",
+        "after": f"{change.after:.9g}",
+    }
+    del line["figure"]
+    return line

@@ -1,0 +1,400 @@
+"""Design: choose the free quantities of a device within their ranges and limits.
+
+A *setting* gives each free quantity a value, with the digits that are printed. It is tried by
+devices within the tolerances around it (design_trials.py). Its *yield* is the share of devices that
+go in from every start. Its *margin* is the distance, in tolerances, of the nearest failing device
+on ``POINTS`` lines from the setting, at most ``FARTHEST``. The best setting has the largest yield,
+keeps the limits, has the largest margin in steps of ``MARGIN_STEP``, and is then the fastest.
+Differential evolution (scipy) seeks it by quick trials. The best settings are then checked as
+``assess`` does, until one holds. The search is seeded. What would help is tried as well
+(design_changes.py).
+"""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import optimize, stats
+
+from model.events.insertion import INSERTION
+from model.physics.tables import Value
+from model.runs.settings import Settings
+from model.sweeps.settings import Ensemble
+from vibralign.answers.cases import cases_of
+from vibralign.answers.design_trials import MEASURES, Check, Row, Trials
+from vibralign.answers.reliability import Floats
+from vibralign.answers.yields import DEVICES, check_devices, interval
+from vibralign.device import StatedDevice, Tolerance
+from vibralign.device.runs import AnyDevice, device_of
+from vibralign.device.stated import unit_of
+
+MARGIN_STEP = 0.25
+GENERATIONS, POPULATION = 12, 24  # of the search, by default
+DIGITS = 4  # of the values of a setting, as they are printed
+CHECKS = 24  # most settings that are checked
+ASSUMED = Tolerance("uniform", 0.1, relative=True)  # for a device that states no tolerance
+ASSUMED_OF = ("press_force", "tilt_stiffness", "frequency", "friction", "misalignment", "clearance")
+_GROWING = slice(2, 5)  # time, force and tilt in the results of a setting
+NEARBY = 0.2  # of the ranges: settings that near a failure are checked last
+NEAR = 0.05  # share of a limit or range within which it binds
+
+Setting = tuple[float, ...]
+"""Values of the free quantities in SI units, in the order of the device's file."""
+Known = dict[Setting, Row]
+"""Results of quick trials."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Tried(Value):
+    """Results of settings, in SI units.
+
+    Attributes:
+        settings: values of the free quantities, each of shape (n,).
+        share: share of the devices within the tolerances that go in from every start, shape (n,).
+        margin: distance of the nearest failing device, in tolerances, shape (n,).
+        measures: by the names of ``MEASURES``, shape (n,): longest time until alignment (of the
+            runs that go in), largest contact force and largest tilt within the tolerances, and the
+            share of devices that do not align without vibration (NaN if no limit asks for it).
+    """
+
+    settings: Mapping[str, Floats]
+    share: Floats
+    margin: Floats
+    measures: Mapping[str, Floats]
+
+    def excess(self, limits: Mapping[str, float]) -> Floats:
+        """Return the largest relative excess over a limit, <= 0 where all are kept."""
+        if not limits:
+            return np.full(self.share.size, -1.0)
+        excesses = [
+            np.abs(self.measures[name] - limit)
+            if name == "vibration"
+            else self.measures[name] / limit - 1.0
+            for name, limit in limits.items()
+        ]
+        return np.nan_to_num(np.max(excesses, axis=0), nan=9.0)
+
+    def keeps(self, limits: Mapping[str, float]) -> NDArray[np.bool_]:
+        """Return where every device goes in and all limits are kept."""
+        return (self.share == 1.0) & (self.excess(limits) <= 0.0)
+
+    def score(self, limits: Mapping[str, float]) -> Floats:
+        """Return a number to minimise over the settings: < 0 where they keep the limits."""
+        excess = np.clip(self.excess(limits), 0.0, 9.0)
+        steps = np.floor(self.margin / MARGIN_STEP) * MARGIN_STEP
+        time = np.nan_to_num(self.measures["time"], nan=np.inf)
+        speed = 1.0 / (1.0 + time)  # between 0 and 1: decides between equal margins
+        kept = -1.0 - steps - MARGIN_STEP * speed
+        return np.where(self.keeps(limits), kept, 10.0 * (1.0 - self.share) + excess)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Design(Value):
+    """Result of a search.
+
+    Attributes:
+        tried: every setting, in the order in which they were computed; a check's results stand in
+            place of those of the quick trial.
+        best: number of the recommended setting.
+        limits: limits of the search.
+        checks: results of the settings that were checked, by their numbers.
+        free: ranges of the search.
+    """
+
+    tried: Tried
+    best: int
+    limits: Mapping[str, float]
+    checks: Mapping[int, Check]
+    free: Mapping[str, tuple[float, float]]
+
+    def __repr__(self) -> str:
+        words = "recommended" if self.feasible else "none found; nearest"
+        setting = ", ".join(f"{n} = {v:.4g} {unit_of(n)}" for n, v in self.setting.items())
+        setting = f"{setting},".replace(" 1,", ",")[:-1]
+        return f"<Design: {words} {setting}{''.join(f'; exceeds {n}' for n in self.passed)}>"
+
+    def _shown(self) -> dict[str, Any]:
+        """Return the results of the recommended setting by name, SI units."""
+        tried, best = self.tried, self.best
+        results = {"share": tried.share, "margin": tried.margin, **tried.measures}
+        numbers = {name: float(each[best]) for name, each in results.items()}
+        checked = {} if self.check is None else {"devices": self.check.devices}
+        return self.setting | numbers | checked | {"binding": ", ".join(self.binding)}
+
+    @property
+    def check(self) -> Check | None:
+        """Check of the recommended setting, None if it was not checked."""
+        return self.checks.get(self.best)
+
+    @property
+    def setting(self) -> dict[str, float]:
+        """The recommended setting, SI units."""
+        return {name: float(values[self.best]) for name, values in self.tried.settings.items()}
+
+    @property
+    def feasible(self) -> bool:
+        """True if every device goes in at the recommended setting and the limits are kept."""
+        return bool(self.tried.keeps(self.limits)[self.best])
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """Interval of the yield, of 95 % confidence; (0, 1) if no device was drawn."""
+        if self.check is None or not self.check.devices:
+            return 0.0, 1.0
+        return interval(self.check.going_in, self.check.devices)
+
+    @property
+    def front(self) -> NDArray[np.int64]:
+        """Numbers of the settings on the Pareto front of time and margin, fastest first."""
+        order = np.lexsort((-self.tried.margin, self.tried.measures["time"]))
+        front, margin = [], -1.0
+        for i in order[self.tried.keeps(self.limits)[order]]:
+            if self.tried.margin[i] > margin:
+                front.append(int(i))
+                margin = float(self.tried.margin[i])
+        return np.array(front, dtype=np.int64)
+
+    @property
+    def binding(self) -> list[str]:
+        """Limits, and ends of ranges, that the recommended setting is ``NEAR`` to."""
+        ends = [f"{side} end of {name}" for name, side in self.near_ends]
+        return [*(f"limit of {name}" for name in self.near_limits), *ends]
+
+    @property
+    def passed(self) -> list[str]:
+        """Names of the limits that the recommended setting does not keep; none if none goes in."""
+        if not self.tried.share[self.best] > 0.0:
+            return []
+        return [
+            name
+            for name, limit in self.limits.items()
+            if self.tried.excess({name: limit})[self.best] > 0.0
+        ]
+
+    @property
+    def near_limits(self) -> list[str]:
+        """Names of the limits that the recommended setting is ``NEAR`` to."""
+        return [
+            name
+            for name, limit in self.limits.items()
+            if name != "vibration" and self.tried.measures[name][self.best] > (1.0 - NEAR) * limit
+        ]
+
+    @property
+    def near_ends(self) -> list[tuple[str, str]]:
+        """Names and sides of the ends of ranges that the recommended setting is ``NEAR`` to."""
+        ends = []
+        for name, (low, high) in self.free.items():
+            value, near = self.setting[name], NEAR * (high - low)
+            ends += [(name, "lower")] if value < low + near else []
+            ends += [(name, "upper")] if value > high - near else []
+        return ends
+
+
+def design(
+    device: AnyDevice,
+    settings: Settings | None = None,
+    ensemble: Ensemble | None = None,
+    cores: int = 1,
+    *,
+    generations: int = GENERATIONS,
+    population: int = POPULATION,
+    seed: int = 0,
+    devices: int = DEVICES,
+) -> Design:
+    """Return the recommended setting of a device, as ``vibralign design`` does.
+
+    Args:
+        device: of a file, as ``simulate`` takes it; it states what is free, and its limits.
+        settings: as for ``assess``.
+        ensemble: as for ``assess``.
+        cores: as for ``assess``.
+        generations: of the search.
+        population: settings a generation.
+        seed: of the search.
+        devices: number of devices of a check, a power of two.
+
+    Raises:
+        TypeError, ValueError: a dimensionless device; nothing is free, or no power of two.
+    """
+    trials = trials_of(device, settings, ensemble, cores, seed, devices)
+    return search(trials, generations, population)[0]
+
+
+def trials_of(
+    device: AnyDevice,
+    settings: Settings | None = None,
+    ensemble: Ensemble | None = None,
+    cores: int = 1,
+    seed: int = 0,
+    devices: float = DEVICES,
+) -> Trials:
+    """Return the trials of a device's settings; arguments and errors as for ``design``."""
+    stated = device_of(device)
+    if not isinstance(stated, StatedDevice):
+        raise TypeError("a design needs a device of a file, with free quantities, got Parameters")
+    stated, cases = with_tolerances(stated), cases_of(stated, ensemble or Ensemble())
+    settings = settings or Settings(scene=INSERTION)
+    return Trials(stated, cases, settings, cores, seed, check_devices(devices))
+
+
+def with_tolerances(stated: StatedDevice) -> StatedDevice:
+    """Return a device with ``ASSUMED`` tolerances if it states none.
+
+    Raises:
+        ValueError: nothing is free.
+    """
+    if not stated.free:
+        raise ValueError(
+            f"{stated.source}: nothing is free; state, for example, "
+            "free: {press_force: 5 to 20 N}"
+        )
+    if stated.tolerances:
+        return stated
+    return replace(stated, tolerances={n: ASSUMED for n in ASSUMED_OF if n in stated.quantities})
+
+
+def search(
+    trials: Trials,
+    generations: int,
+    population: int,
+    tell: Callable[[str], None] = lambda _: None,
+    known: Known | None = None,
+) -> tuple[Design, Known]:
+    """Return the best setting of a device, and the results of all quick trials.
+
+    Args:
+        trials: of its settings; their seed is also that of the optimiser.
+        generations: of differential evolution.
+        population: settings a generation.
+        tell: called with the step under way, in words, and of how many it is one.
+        known: filled with the results; an interrupt leaves those so far in it.
+    """
+    free, limits = trials.stated.free, trials.stated.limits
+    low, high = np.array(list(free.values())).T
+    known, done = {} if known is None else known, 0
+
+    def score(points: Floats) -> Floats:
+        keys = [rounded(point, free) for point in np.atleast_2d(points.T).tolist()]
+        new = [key for key in dict.fromkeys(keys) if key not in known]
+        if new:
+            known.update(zip(new, trials.quick(np.array(new)), strict=True))
+        return tried_of(keys, [known[key] for key in keys], free).score(limits)
+
+    def report(intermediate_result: Any) -> None:  # noqa: ARG001 - by its name, for scipy
+        nonlocal done
+        done += 1
+        tell(f"generation {done} of {generations} done, {len(known):,} settings tried")
+
+    tell(f"first settings of the search, then {generations} generations")
+    first = stats.qmc.LatinHypercube(len(low), rng=np.random.default_rng(trials.seed))
+    optimize.differential_evolution(
+        score,
+        list(free.values()),
+        init=low + first.random(population) * (high - low),
+        maxiter=generations,
+        rng=np.random.default_rng(trials.seed),
+        vectorized=True,
+        updating="deferred",
+        polish=False,
+        tol=0.0,
+        callback=report,
+    )
+    return checked(trials, known, tell=tell), known
+
+
+def checked(
+    trials: Trials,
+    known: Known,
+    rank: Callable[[Tried], Floats] | None = None,
+    most: int = CHECKS,
+    tell: Callable[[str], None] = lambda _: None,
+) -> Design:
+    """Check the best settings until one holds; return the design.
+
+    If none of ``most`` holds, the design is the checked setting that fails least. ``rank`` is
+    least for the best settings among those that hold; the score by default.
+    """
+    free, limits = trials.stated.free, trials.stated.limits
+    keys, quick, checks = list(known), np.array(list(known.values())), dict[int, Check]()
+    accepted = tried_of(keys, quick, free).keeps(limits)
+    while True:
+        rows = _expected(keys, quick, checks, free)
+        design = Design(tried_of(keys, rows, free), 0, limits, checks, free)
+        score, numbers = design.tried.score(limits), list(checks)
+        order = score if rank is None else np.where(score < 0.0, rank(design.tried), np.inf)
+        open_ones = np.setdiff1d(np.flatnonzero(accepted), numbers)
+        if numbers and (score[numbers].min() < 0.0 or not open_ones.size or len(numbers) == most):
+            best = numbers[int(np.argmin(score[numbers]))]
+            return _in_full(trials, replace(design, best=best), keys, rows)
+        among = open_ones if open_ones.size else np.arange(len(keys))
+        design = replace(design, best=int(among[np.argmin(order[among])]))
+        tell(f"check {len(checks) + 1} of at most {most}")
+        checks[design.best] = trials.check(design.setting)
+
+
+def _in_full(trials: Trials, design: Design, keys: Sequence[Setting], rows: Floats) -> Design:
+    """Return a design whose recommended setting is known by all devices."""
+    devices = design.checks[design.best].devices
+    if design.feasible or not 0 < devices < trials.devices:
+        return design
+    check = trials.check(design.setting, stop=False)
+    rows[design.best] = check.row
+    checks = {**design.checks, design.best: check}
+    return replace(design, tried=tried_of(keys, rows, design.free), checks=checks)
+
+
+def _expected(
+    keys: Sequence[Setting],
+    quick: Floats,
+    checks: Mapping[int, Check],
+    free: Mapping[str, tuple[float, float]],
+) -> Floats:
+    """Return the results of settings: of the check, or expected from those of the quick trial.
+
+    Times, forces and tilts grow from the quick trial to the check as at the nearest checked
+    setting; near one at which devices fail as large a share fails.
+    """
+    if not checks:
+        return quick
+    rows, numbers, found = quick.copy(), list(checks), np.array([c.row for c in checks.values()])
+    low, high = np.array(list(free.values())).T
+    places = (np.array(keys) - low) / (high - low)
+    apart = np.linalg.norm(places[:, None] - places[numbers], axis=2)
+    nearest = apart.argmin(axis=1)
+    growth = found[:, _GROWING] / quick[numbers, _GROWING]
+    rows[:, _GROWING] *= np.nan_to_num(growth, nan=1.0)[nearest]
+    near = apart.min(axis=1) < NEARBY
+    rows[near, 0] = np.minimum(rows[near, 0], found[nearest[near], 0])
+    rows[numbers] = found
+    return rows
+
+
+def tried_of(keys: Sequence[Setting], rows: Any, free: Mapping[str, Any]) -> Tried:
+    """Return the results of settings as columns."""
+    columns, settings = np.array(rows, dtype=np.float64).T.copy(), np.array(keys).T.copy()
+    return Tried(
+        dict(zip(free, settings, strict=True)),
+        columns[0],
+        columns[1],
+        dict(zip(MEASURES, columns[2:], strict=True)),
+    )
+
+
+def rounded(point: list[float], free: Mapping[str, tuple[float, float]]) -> Setting:
+    """Return a setting with the digits that are printed."""
+    return tuple(as_printed(v, *ends) for v, ends in zip(point, free.values(), strict=True))
+
+
+def as_printed(value: float, low: float, high: float) -> float:
+    """Return a value > 0 with ``DIGITS`` digits, within its range if that holds such a value."""
+    digits = float(f"{value:.{DIGITS}g}")
+    step = 10.0 ** (math.floor(math.log10(abs(digits))) - DIGITS + 1) if digits else 0.0
+    if digits > high:
+        digits -= step
+    elif digits < low:
+        digits += step
+    return float(f"{digits:.{DIGITS}g}")

@@ -1,0 +1,341 @@
+"""Leeways of a device: ranges in which it stays reliable, one parameter at a time.
+
+Each parameter is scanned from its value, downwards and upwards, in steps of one ratio, all in one
+batch. Two more batches divide the step in which the verdict changes, and then such a part, so that
+the end of the range is known to ``FINEST``. Values are tried with the digits that are printed.
+
+The border of a part that hops is *ragged*: values that fail lie among values that hold, down to
+slivers of 0.01 %. So ``UNBROKEN`` values ``FINEST`` apart are tried inwards from an end, ``BEYOND``
+outwards, and from a ragged end ``ACROSS`` more to the device's own value. The end moves inwards
+past any that fails, until all of these hold.
+
+The same scan finds the nearest reliable values of a device that is not reliable. The values of a
+device that its file states are in SI units. Its mass, axial stiffness and amplitude, which are the
+units of its dimensionless parameters, are scanned as well.
+"""
+
+import itertools
+import math
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from model.physics.parameters import Parameters
+from model.physics.units import UNITS
+from vibralign.device import StatedDevice
+
+VARIED = (
+    "press_force", "frequency", "tilt_stiffness", "lateral_stiffness", "inertia", "friction",
+    "misalignment", "clearance", "lateral_damping", "axial_damping", "tilt_damping",
+    "contact_stiffness", "contact_damping",
+)  # fmt: skip
+STEP = 2.0 ** (1.0 / 12.0)  # ratio of neighbouring values, 6 %
+STEPS = 24  # steps of a scan: from a quarter to four times the value
+PARTS = 4, 5  # of the step in which the verdict changes; then of such a part
+DIGITS = 4  # of the values
+FINEST = STEP ** (1.0 / math.prod(PARTS)) * (1.0 + 10.0 ** (1 - DIGITS)) - 1.0  # 0.4 %
+UNBROKEN, BEYOND, ACROSS = 8, 3, 24  # values inwards from an end, outwards, and to the own value
+PAIRED = 13  # values of each of two parameters that are changed together
+
+Stated = Parameters | StatedDevice
+Names = Collection[str]
+IsReliable = Callable[[Mapping[str, np.ndarray]], np.ndarray]
+"""Takes parameters that vary together, shape (n,) each; returns where the device is reliable."""
+
+
+@dataclass(frozen=True)
+class Leeway:
+    """The range of one parameter in which the device stays reliable.
+
+    Attributes:
+        parameter: name of the parameter.
+        value: the device's own value.
+        low, high: smallest and largest value such that all values tried between are reliable.
+        bounded_below, bounded_above: True if a value beyond was tried and is not reliable, at most
+            ``FINEST`` away unless the border is ragged; False if the scan ends there, after
+            ``STEPS`` or at the parameter's bound.
+        late_below, late_above: True if this value fails by the horizon only: a longer one may let
+            it go in.
+        fails_below, fails_above: this value; None if the scan ends there.
+        ragged_below, ragged_above: True if values that fail lie among values that hold there.
+    """
+
+    parameter: str
+    value: float
+    low: float
+    high: float
+    bounded_below: bool
+    bounded_above: bool
+    late_below: bool = False
+    late_above: bool = False
+    fails_below: float | None = None
+    fails_above: float | None = None
+    ragged_below: bool = False
+    ragged_above: bool = False
+
+    def __str__(self) -> str:
+        return f"{self.parameter} from {self.low:.4g} to {self.high:.4g}"
+
+
+@dataclass(frozen=True)
+class Nearest:
+    """Nearest values of one parameter with which an unreliable device becomes reliable.
+
+    Attributes:
+        parameter: name of the parameter.
+        value: the device's own value.
+        below, above: nearest reliable value on either side, None if no value tried is reliable.
+    """
+
+    parameter: str
+    value: float
+    below: float | None
+    above: float | None
+
+    def __str__(self) -> str:
+        ends = [f"{end:.4g}" for end in (self.below, self.above) if end is not None]
+        return f"{self.parameter} {' or '.join(ends)}"
+
+
+class _End(NamedTuple):
+    """End of a scan.
+
+    Attributes:
+        parameter: name of the parameter.
+        value: the device's own value.
+        alike: last value with the verdict of the device.
+        other: first value with the other verdict, None if no value tried has it.
+        ragged: True if values of both verdicts were found in turn.
+    """
+
+    parameter: str
+    value: float
+    alike: float
+    other: float | None
+    ragged: bool = False
+
+
+def leeways(
+    device: Stated,
+    is_reliable: IsReliable,
+    is_late: IsReliable | None = None,
+    held: Names = (),
+    roughly: IsReliable | None = None,
+) -> tuple[Leeway, ...]:
+    """Return the leeways of a reliable device.
+
+    ``is_late`` tells where devices fail by the horizon only; ``held`` are not varied. The steps are
+    tried by ``roughly``, if given; ends, and parts of steps, by ``is_reliable``.
+    """
+    ends, late = _unbroken(device, is_reliable, _ends(device, is_reliable, held, roughly)), []
+    beyond = [(each.parameter, each.other) for each in ends if each.other is not None]
+    if is_late is not None and beyond:
+        late = is_late(_swept(_own(device, held), beyond)).tolist()
+    found = iter(late or [False] * len(beyond))
+    hang = [each.other is not None and next(found) for each in ends]
+    return tuple(
+        Leeway(d.parameter, d.value, d.alike, u.alike, d.other is not None, u.other is not None,
+               below, above, d.other, u.other, d.ragged, u.ragged)
+        for d, u, below, above in zip(ends[::2], ends[1::2], hang[::2], hang[1::2], strict=True)
+    )  # fmt: skip
+
+
+def nearest(device: Stated, is_reliable: IsReliable, held: Names = ()) -> tuple[Nearest, ...]:
+    """Return the nearest reliable values of a device that is not reliable, by parameter.
+
+    A parameter of which no value tried is reliable is left out; ``held`` are not varied.
+    """
+    ends = _ends(device, lambda values: ~is_reliable(values), held)
+    return tuple(
+        Nearest(down.parameter, down.value, down.other, up.other)
+        for down, up in zip(ends[::2], ends[1::2], strict=True)
+        if (down.other, up.other) != (None, None)
+    )
+
+
+def together(device: Stated, is_reliable: IsReliable, names: Names) -> dict[str, float]:
+    """Return the nearest reliable values of two of these parameters; empty if none is found.
+
+    Both are changed by up to the factor of a scan, the other parameters held.
+    """
+    own = _own(device)
+    values = {
+        name: [own[name], *(v for ratio in (1.0 / STEP**4, STEP**4)
+                            for v in _values(device, name, own[name], ratio, PAIRED // 2)[1:])]
+        for name in dict.fromkeys(names) if own.get(name, 0.0) != 0.0
+    }  # fmt: skip
+    tried = [
+        {one: x, two: y}
+        for one, two in itertools.combinations(values, 2)
+        for x in values[one][1:]
+        for y in values[two][1:]
+    ]
+    if not tried:
+        return {}
+    swept = {name: np.array([each.get(name, own[name]) for each in tried]) for name in values}
+    good = [each for each, found in zip(tried, is_reliable(swept).tolist(), strict=True) if found]
+
+    def change(each: Mapping[str, float]) -> float:
+        return sum(math.log(value / own[name]) ** 2 for name, value in each.items())
+
+    return min(good, key=change, default={})
+
+
+def a_step_inside(
+    device: Stated, is_reliable: IsReliable, change: Mapping[str, float]
+) -> Mapping[str, float]:
+    """Return a change of one parameter a step further from its own value, where that is reliable.
+
+    Else, and for any other change, the change itself.
+    """
+    if len(change) != 1:
+        return change
+    [(name, border)] = change.items()
+    ratio = STEP if abs(border) > abs(_own(device)[name]) else 1.0 / STEP
+    inside = _values(device, name, border, ratio, 1)[1:]
+    if inside and is_reliable({name: np.array(inside)}).all():
+        return {name: inside[0]}
+    return change
+
+
+def _ends(
+    device: Stated, are_alike: IsReliable, held: Names, roughly: IsReliable | None = None
+) -> list[_End]:
+    """Return the end of the scan of each value that is not 0, downwards and upwards in turn."""
+    own = _own(device, held)
+    names = [name for name, value in own.items() if value != 0.0 for _ in range(2)]
+    scans = [
+        _values(device, name, own[name], ratio)
+        for name, ratio in zip(names, itertools.cycle((1.0 / STEP, STEP)), strict=False)
+    ]
+    judged: dict[tuple[str, float], bool] = {}  # by ``are_alike``
+    known = _leading(own, names, scans, roughly or are_alike, {} if roughly else judged)
+    ended = [i for i, (values, n) in enumerate(zip(scans, known, strict=True)) if n < len(values)]
+    if roughly is not None and ended:
+        some = {name: own[name] for name in names}
+        alike = are_alike(_swept(some, [(names[i], scans[i][known[i]]) for i in ended])).tolist()
+        wrong = [i for i, still in zip(ended, alike, strict=True) if still]
+        again = _leading(
+            own, [names[i] for i in wrong], [scans[i] for i in wrong], are_alike, judged
+        )
+        for i, n in zip(wrong, again, strict=True):
+            known[i] = n
+    for count in PARTS:
+        open_ones = [i for i, (values, n) in enumerate(zip(scans, known, strict=True))
+                     if n < len(values)]  # fmt: skip
+        parts = [_divided(scans[i][known[i] - 1], scans[i][known[i]], count) for i in open_ones]
+        finer = _leading(own, [names[i] for i in open_ones], parts, are_alike, judged)
+        for i, between, n in zip(open_ones, parts, finer, strict=True):
+            scans[i], known[i] = [*between, scans[i][known[i]]], n
+    return [
+        _End(name, own[name], values[n - 1], values[n] if n < len(values) else None)
+        for name, values, n in zip(names, scans, known, strict=True)
+    ]
+
+
+def _divided(start: float, stop: float, count: int) -> list[float]:
+    """Return the first of two values, and the values that divide their interval."""
+    return [start, *map(_printed, np.geomspace(start, stop, count + 1)[1:-1].tolist())]
+
+
+def _unbroken(device: Stated, is_reliable: IsReliable, ends: Sequence[_End]) -> list[_End]:
+    """Return the ends of scans, moved inwards until the values tried inwards hold."""
+    own, found = {each.parameter: each.value for each in ends}, list(ends)
+    left = [i for i, end in enumerate(found) if end.other is not None]
+    while left:
+        rows = [(_inwards(device, found[i]), _beyond(device, found[i])) for i in left]
+        tried = [(found[i].parameter, value) for i, (inside, beyond) in zip(left, rows, strict=True)
+                 for value in (*inside[:-1], *beyond)]  # fmt: skip
+        holds, moved = iter(is_reliable(_swept(own, tried)).tolist()), []
+        for i, (inside, beyond) in zip(left, rows, strict=True):
+            fails = [n for n, _ in enumerate(inside[:-1]) if not next(holds)]
+            again, end = True in [next(holds) for _ in beyond], found[i]
+            if fails:
+                end = end._replace(alike=inside[fails[-1] + 1], other=inside[fails[-1]])
+            found[i] = end._replace(ragged=end.ragged or bool(fails) or again)
+            if fails or found[i].ragged > end.ragged:
+                moved.append(i)
+        left = moved
+    return found
+
+
+def _inwards(device: Stated, end: _End) -> list[float]:
+    """Return the values to try inwards from an end, it first, and the next one."""
+    assert end.other is not None  # noqa: S101 - the caller's
+    grows = abs(end.other) > abs(end.value)
+    ratio = 1.0 / (1.0 + FINEST) if grows else 1.0 + FINEST
+    row = _values(device, end.parameter, end.alike, ratio, UNBROKEN)
+    row = [each for each in row if (abs(each) > abs(end.value)) == grows and each != end.value]
+    if len(row) <= UNBROKEN:
+        return [*row, end.value]
+    across = np.geomspace(row[-1], end.value, ACROSS + 1).tolist() if end.ragged else []
+    return [*dict.fromkeys([*row, *map(_printed, across[1:-1])]), *across[-1:]]
+
+
+def _beyond(device: Stated, end: _End) -> list[float]:
+    """Return ``BEYOND`` values outwards from an end, without it."""
+    assert end.other is not None  # noqa: S101 - the caller's
+    ratio = 1.0 + FINEST if abs(end.other) > abs(end.value) else 1.0 / (1.0 + FINEST)
+    return _values(device, end.parameter, end.alike, ratio, BEYOND)[1:]
+
+
+def _printed(value: float) -> float:
+    return float(f"{value:.{DIGITS}g}")
+
+
+def _leading(
+    own: Mapping[str, float],
+    names: Sequence[str],
+    scans: Sequence[list[float]],
+    are_alike: IsReliable,
+    judged: dict[tuple[str, float], bool],
+) -> list[int]:
+    """Return how many leading values of each scan have the verdict of the device, its own first.
+
+    Verdicts are added to ``judged``; values that have one are not tried again.
+    """
+    both = list(zip(names, scans, strict=True))
+    values = dict.fromkeys((name, value) for name, scan in both for value in scan[1:])
+    if tried := [each for each in values if each not in judged]:
+        some = {name: own[name] for name in names}
+        judged |= zip(tried, are_alike(_swept(some, tried)).tolist(), strict=True)
+    return [
+        [True, *(judged[name, value] for value in scan[1:]), False].index(False)
+        for name, scan in both
+    ]
+
+
+def _swept(own: Mapping[str, float], tried: Sequence[tuple[str, float]]) -> dict[str, np.ndarray]:
+    """Return the values of devices each of which has one value of its own."""
+    return {
+        name: np.array([value if varied == name else usual for varied, value in tried])
+        for name, usual in own.items()
+    }
+
+
+def _own(device: Stated, held: Names = ()) -> dict[str, float]:
+    """Return the device's own values of what is varied, in SI units for a device of a file."""
+    if isinstance(device, Parameters):
+        return {name: getattr(device, name) for name in VARIED if name not in held}
+    values = device.values
+    return {name: values[name] for name in (*UNITS, *VARIED) if name not in held}
+
+
+def _values(
+    device: Stated, name: str, own: float, ratio: float, steps: int | None = None
+) -> list[float]:
+    """Return the parameter's own value and the values of a scan that its rule admits."""
+    values = [own]
+    for step in range(1, (steps or STEPS) + 1):
+        value = _printed(own * ratio**step)
+        try:
+            if isinstance(device, Parameters):
+                device.replace(**{name: value})
+            else:
+                device.admitted({name: value})
+        except ValueError:
+            break
+        values.append(value)
+    return values

@@ -1,0 +1,137 @@
+"""Maps of a device over any two quantities of its file, in SI units."""
+
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Annotated, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import AfterValidator
+
+from model.engine.results import RESULTS, UNVIBRATED_CONTROL
+from model.physics.parameters import FIELDS, Batch, Parameters, check_name
+from model.physics.quantities import ANGLE, LENGTH, PLAIN
+from model.physics.units import UNITS
+from model.sweeps.axes import Axis, check_plane
+from model.sweeps.settings import Ensemble, RunSettings
+from model.sweeps.sweep import Group, Sweep
+from vibralign.device.base import BASE, CENTRE, CENTRE_WORDS
+from vibralign.device.batches import by_settings, devices_of, rows_of
+from vibralign.device.holder import RATIOS
+from vibralign.device.stated import QUANTITIES, StatedDevice
+
+_VARIABLES = (
+    "outcome", "reason", "tau_align", "tau_error", "sensitive", "contact_force_max",
+    "rhs_evaluations", *UNVIBRATED_CONTROL,
+)  # fmt: skip
+_SPACES = 16  # least spaces between nodes with all starts along a side, if the map has as many
+
+
+def _quantity_name(name: str) -> str:
+    check_name(name, QUANTITIES, "quantity of a device")
+    return name
+
+
+class QuantityAxis(Axis):
+    """Equidistant values of one quantity of a device, in SI units."""
+
+    parameter: Annotated[str, AfterValidator(_quantity_name)]
+    """Name of the quantity."""
+
+
+class DeviceMap(Sweep):
+    """A map over two quantities of a device.
+
+    Attributes:
+        device: the device as its file states it.
+    """
+
+    device: StatedDevice
+
+    def groups(self, points: NDArray[np.int64]) -> Iterator[Group]:
+        """Yield the devices at points by the settings of their runs.
+
+        A horizon or depth in SI units differs between devices of different units.
+        """
+        values = self.values(points)
+        axes = dict(itertools.islice(values.items(), 2))
+        nodes, which = np.unique(np.stack([*axes.values()]), axis=1, return_inverse=True)
+        batch, units = devices_of(self.device, dict(zip(axes, nodes, strict=True)))
+        for own, rows in by_settings(self.device, self.settings.settings, units).items():
+            places = np.flatnonzero(np.isin(which.reshape(-1), rows))
+            node = which.reshape(-1)[places]
+            starts = {name: each[places] for name, each in values.items() if name not in axes}
+            chosen = Batch({**rows_of(batch, node).values, **starts})
+            yield Group(places, chosen, own, [units[each] for each in node])
+
+    def coordinates(self) -> dict[str, Any]:
+        """Return the axes, and as scalars the quantities that no axis changes; in SI units."""
+        axes = {axis.parameter: axis.values for axis in self.dimensions[:2]}
+        corners = [self.device.changed(**each).values for each in corners_of(axes)]
+        held = {
+            name: value
+            for name, value in self.device.values.items()
+            if all(each.get(name) == value for each in corners)
+        }
+        coordinates = {name: ((), v, quantity_attributes(name)) for name, v in held.items()}
+        swept = {name: (name, v, quantity_attributes(name)) for name, v in self.swept.items()}
+        return dict(sorted((coordinates | swept).items()))
+
+    def attributes(self, name: str) -> dict[str, Any]:
+        """Return the attributes of a variable, with its SI unit."""
+        attributes = super().attributes(name)
+        if name in RESULTS and RESULTS[name].quantity not in (ANGLE, PLAIN):
+            attributes = attributes | {"units": RESULTS[name].quantity.unit}
+        return attributes
+
+
+def corners_of(axes: Mapping[str, Sequence[float]]) -> list[dict[str, float]]:
+    """Return the corners of a grid: the first or last value of each axis, by name."""
+    ends = [dict.fromkeys((values[0], values[-1])) for values in axes.values()]
+    return [dict(zip(axes, each, strict=True)) for each in itertools.product(*ends)]
+
+
+def quantity_attributes(name: str) -> dict[str, Any]:
+    """Return the attributes of the coordinate of a device's quantity, in SI units."""
+    if name in RATIOS:
+        return {"long_name": f"damping ratio, in place of {RATIOS[name]}", "units": "1"}
+    if name == CENTRE:
+        return {"long_name": CENTRE_WORDS, "units": LENGTH.unit}
+    if name in BASE:
+        return {"long_name": BASE[name][0], "units": BASE[name][1]}
+    field = (FIELDS | UNITS)[name]  # type: ignore[operator]
+    attributes = {"long_name": field.description, "symbol": field.symbol}
+    is_angle = field.quantity is ANGLE  # CF's word differs from the SI symbol
+    return attributes | {"units": "radian" if is_angle else field.quantity.unit}
+
+
+def map_of(
+    device: Parameters | StatedDevice,
+    settings: RunSettings,
+    axes: tuple[Axis, Axis],
+    ensemble: Ensemble,
+) -> Sweep:
+    """Return a map of a device over two axes, x and y; in SI units for a device of a file.
+
+    The starts of the ensemble are tried at every node of a coarse map, at most as far apart as in
+    the ensemble. A map over the phase or the initial tilt tries none.
+
+    Raises:
+        ValueError: the axes have the same parameter, or break a parameter's rule.
+    """
+    x, y = axes
+    stated = device if isinstance(device, StatedDevice) else None
+    parameters = device.parameters if isinstance(device, StatedDevice) else device
+    check_plane(stated.at if stated else lambda values: parameters.replace(**values), x, y)
+    every = max(min(ensemble.every, (min(x.count, y.count) - 1) // _SPACES), 1)
+    own = {x.parameter, y.parameter} & {"phase", "initial_tilt"}
+    given: dict[str, Any] = {
+        "name": "map",
+        "kind": "map",
+        "parameters": parameters.given(),
+        "settings": settings,
+        "dimensions": [y, x],
+        "variables": _VARIABLES,
+        "ensemble": None if own else ensemble.model_copy(update={"every": every}),
+    }
+    return DeviceMap(**given, device=stated) if stated else Sweep(**given)

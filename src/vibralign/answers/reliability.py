@@ -1,0 +1,229 @@
+"""Reliability of devices, for all commands: does a device go in (or align) in every case?
+
+Phase and tilt at touch-down cannot be controlled, and a base that is not stated is not known: a
+*reliable* device goes in from every start, on every base that is tried (cases.py). A device is
+dimensionless, or as its file states it; its values are then in SI units, and change as ``--set``
+changes them.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from model.events.insertion import INSERTION
+from model.events.outcomes import Outcome, Unvibrated
+from model.events.table import PLACES_OF_CONTACT
+from model.physics.parameters import PARAMETER_NAMES, Parameters, check_name
+from model.physics.tables import Value
+from model.physics.units import Units
+from model.runs.settings import Settings
+from model.runs.unvibrated import unvibrated
+from model.sweeps.settings import Ensemble
+from model.sweeps.starts import Starts, every_start
+from vibralign.answers.cases import cases_of, on_bases
+from vibralign.device import StatedDevice
+from vibralign.device.amounts import read_amount
+from vibralign.device.batches import Values, by_settings, devices_of, rows_of
+from vibralign.device.runs import AnyDevice, devices_in
+from vibralign.device.stated import QUANTITIES, unit_of
+
+Floats = NDArray[np.float64]
+STATISTICAL_TOLERANCE = 1e-6  # local error of a step; yields are the same as at 1e-10
+FORCES = {place: f"{place}_force_max" for place in PLACES_OF_CONTACT}
+"""Results of a run that are the largest force at a place of contact, by the place."""
+_FEW = 12  # after the first case, every twelfth is tried: most failing devices fail in many
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class DeviceResults(Value):
+    """Results of n devices in every case, in SI units.
+
+    Attributes:
+        values: quantities that differ between the devices, each of shape (n,).
+        goes_in: True if the part goes in in every case, shape (n,).
+        time: longest alignment time in s, NaN where it never goes in, shape (n,).
+        times: alignment times in s, NaN where it does not go in, shape (n, cases).
+        force: largest contact force at any place in N, until the end of the runs, shape (n,).
+        tilt: largest tilt in rad, shape (n,).
+        failing: index of the first case that fails, -1 if none does, shape (n,).
+        forces: largest contact force in N by the place, each of shape (n,).
+        inside: True if the part starts inside the hole, shape (n,).
+        insertion: longest time until inserted in s, NaN as ``time`` or without, shape (n,).
+    """
+
+    values: Values
+    goes_in: NDArray[np.bool_]
+    time: Floats
+    times: Floats
+    force: Floats
+    tilt: Floats
+    failing: NDArray[np.int64]
+    forces: Mapping[str, Floats]
+    inside: NDArray[np.bool_]
+    insertion: Floats
+
+    def __getitem__(self, rows: Any) -> "DeviceResults":
+        """Return the results of some devices, or of all in another order."""
+
+        def of(column: Any) -> Any:
+            if isinstance(column, Mapping):
+                return {name: each[rows] for name, each in column.items()}
+            return column[rows]
+
+        return DeviceResults(*(of(getattr(self, each.name)) for each in fields(self)))
+
+    @property
+    def measures(self) -> dict[str, Floats]:
+        """Measure that a limit of each name bounds, shape (n,)."""
+        return {"time": self.time, "contact_force": self.force, "tilt": self.tilt}
+
+    @property
+    def largest(self) -> dict[str, float]:
+        """Largest of each of the measures over all devices, NaN without any."""
+        measures = self.measures.items()
+        return {name: float(np.fmax.reduce(each, initial=np.nan)) for name, each in measures}
+
+    def __repr__(self) -> str:
+        return f"<DeviceResults: {self.goes_in.sum():,} of {self.goes_in.size:,} devices go in>"
+
+
+def from_every_start(
+    device: Parameters | StatedDevice,
+    values: Values,
+    starts: Starts,
+    settings: Settings,
+    cores: int = 1,
+) -> tuple[dict[str, NDArray[Any]], list[Units]]:
+    """Return ``every_start`` of devices with these values, and the units of those in SI units."""
+    devices, units = devices_of(device, values)
+    if isinstance(device, Parameters):
+        return every_start(devices, starts, settings, cores), units
+    bases, results = on_bases(devices, units, starts, device.shape), dict[str, NDArray[Any]]()
+    for own, rows in by_settings(device, settings, units).items():
+        others = {name: column[rows] for name, column in bases.items()}
+        found = every_start(rows_of(devices, rows), starts, own, cores, others)
+        for name, column in found.items():
+            whole = results.setdefault(name, np.empty((len(devices), len(starts)), column.dtype))
+            whole[rows] = column
+    return results, units
+
+
+def run_devices(
+    stated: StatedDevice, values: Values, starts: Starts, settings: Settings, cores: int = 1
+) -> DeviceResults:
+    """Run devices with these quantities (SI units, each of shape (n,)) from every start."""
+    results, units = from_every_start(stated, values, starts, settings, cores)
+    goes_in, inside = results["goes_in"], (results["tau_align"] == 0.0).any(axis=1)
+    second = np.array([each.time for each in units])
+    newton = np.array([each.force for each in units])
+    counted = goes_in & ~inside[:, None]
+    times = np.where(counted, results["tau_align"], np.nan) * second[:, None]
+    inserted = np.where(counted, results["tau_align"] + results["tau_inserted"], np.nan)
+    return DeviceResults(
+        values=values,
+        goes_in=np.logical_and.reduce(goes_in, axis=1),
+        time=np.fmax.reduce(times, axis=1),
+        times=times,
+        force=newton * np.fmax.reduce(results["contact_force_max"], axis=1),
+        tilt=np.fmax.reduce(results["tilt_max"], axis=1),
+        failing=np.where(goes_in.all(axis=1), -1, np.argmin(goes_in, axis=1)),
+        forces={n: newton * np.fmax.reduce(results[r], axis=1) for n, r in FORCES.items()},
+        inside=inside,
+        insertion=np.fmax.reduce(inserted, axis=1) * second,
+    )
+
+
+def need_vibration(
+    stated: StatedDevice, values: Values, settings: Settings, cores: int = 1
+) -> NDArray[np.bool_]:
+    """Return a mask of the devices that do not align without vibration, shape (n,)."""
+    devices, units = devices_of(stated, values)
+    needs = np.empty(len(devices), dtype=bool)
+    for own, rows in by_settings(stated, settings, units).items():
+        controls = unvibrated(rows_of(devices, rows), own, cores)
+        needs[rows] = controls.outcome != Unvibrated.ALIGNS
+    return needs
+
+
+def are_reliable(
+    device: Parameters | StatedDevice,
+    values: Values,
+    starts: Starts,
+    settings: Settings,
+    cores: int = 1,
+) -> NDArray[np.bool_]:
+    """Return a mask of the devices that go in in all cases, shape (n,).
+
+    A case is tried only where those before it succeed: first the first of ``starts``, then a few.
+    """
+    reliable, others = np.ones(len(next(iter(values.values()))), np.bool_), starts[1:]
+    most = [start for i, start in enumerate(others) if i % _FEW]
+    for some in filter(len, (starts[:1], others[::_FEW], most)):
+        if (left := np.flatnonzero(reliable)).size:
+            tried = {name: column[left] for name, column in values.items()}
+            found, _ = from_every_start(device, tried, some, settings.quickest, cores)
+            reliable[left] = found["goes_in"].all(axis=1)
+    return reliable
+
+
+def are_late(
+    device: Parameters | StatedDevice,
+    values: Values,
+    starts: Starts,
+    settings: Settings,
+    cores: int = 1,
+) -> NDArray[np.bool_]:
+    """Return a mask of the devices that fail at most by the horizon, shape (n,).
+
+    A longer horizon may let them go in.
+    """
+    results, _ = from_every_start(device, values, starts, settings.quickest, cores)
+    late = results["outcome"] == Outcome.HORIZON_REACHED
+    return np.logical_and.reduce(results["goes_in"] | late, axis=1)
+
+
+def reliable_at(
+    device: AnyDevice | Iterable[AnyDevice],
+    settings: Settings | None = None,
+    *,
+    cores: int = 1,
+    **quantities: ArrayLike,
+) -> NDArray[np.bool_]:
+    """Return where a device goes in in every case, shape (n,), as ``assess`` says.
+
+    Args:
+        device: as ``simulate`` takes it; or a list of n devices, of which nothing varies.
+        settings: settings of the runs; None for the defaults, in the insertion scene.
+        cores: number of threads.
+        **quantities: what varies together, each of shape (n,), such as
+            ``press_force=[8.0, 10.0, "12 N"]``; numbers in SI units for a device of a file.
+
+    Raises:
+        TypeError: no device.
+        ValueError: an unknown quantity, shapes that differ, or a value outside its rule.
+    """
+    devices = devices_in(device)
+    if len(devices) != 1:
+        if quantities:
+            raise ValueError("nothing may vary over a list of devices: give one device")
+        each = [reliable_at(one, settings, cores=cores) for one in devices]
+        return np.concatenate([np.empty(0, np.bool_), *each])
+    (device,) = devices
+    stated = isinstance(device, StatedDevice)
+    for name in quantities:
+        check_name(name, QUANTITIES if stated else PARAMETER_NAMES, "quantity of a device")
+    units = {name: unit_of(name) if stated else "1" for name in quantities}
+    values = {
+        name: np.array([read_amount(name, v, units[name]).value for v in np.ravel(given).tolist()])
+        for name, given in quantities.items()
+    }
+    if len({each.shape for each in values.values()}) > 1:
+        shapes = ", ".join(f"{name}: {each.size}" for name, each in values.items())
+        raise ValueError(f"quantities must have one common length, got {shapes}")
+    parameters = device.parameters if isinstance(device, StatedDevice) else device
+    values = values or {"friction": np.array([parameters.friction])}
+    settings = settings or Settings(scene=INSERTION)
+    return are_reliable(device, values, cases_of(device, Ensemble()), settings, cores)

@@ -1,0 +1,1 @@
+"""The command ``vibralign``: a module for each of its commands."""

@@ -1,0 +1,202 @@
+"""Options that several commands of ``vibralign`` share, read and checked.
+
+Every refusal is a ValueError of one line that names the value, the rule and the valid choices.
+"""
+
+import argparse
+import shlex
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any, get_args
+
+from model.compile.cache import cache_folder
+from model.physics.approach import Start
+from model.physics.parameters import FIELDS, PARAMETER_NAMES, Parameters, Shape, check_name
+from model.physics.quantities import LENGTH, TIME
+from model.physics.units import UNITS, Units
+from model.physics.variants import VARIANT_NAMES, Variant, Variants
+from model.runs.settings import SCENES, Settings
+from vibralign.commands.tables import in_columns
+from vibralign.device import StatedDevice, load_device
+from vibralign.device.amounts import read_amount
+from vibralign.device.base import BASE, CENTRE, CENTRE_WORDS
+from vibralign.device.holder import RATIOS
+from vibralign.device.paper import baseline
+from vibralign.device.spelling import plain
+
+
+def add_model_options(
+    parser: Any, scene: str = "alignment", *, dimensionless: bool = False
+) -> None:
+    """Add the options of a device and its run, and end the help with the table of parameters.
+
+    ``scene`` is the default of --scene; ``dimensionless`` adds --dimensionless.
+    """
+    parser.appendix = lambda: parameter_table(baseline())
+    add = parser.add_argument
+    words = "the device, its quantities in SI units or with units as in docs/peg.yaml; --set and "
+    words += "--horizon are then read in the same way (12 N, 0.8 mm); answers are in SI units"
+    add("--device", type=Path, metavar="FILE", help=words)
+    if dimensionless:
+        words = "print dimensionless values for a device in SI units, too"
+        add("--dimensionless", action="store_true", help=words)
+    words = "set a parameter of the table below; may be repeated"
+    add("--set", action="append", default=[], metavar="NAME=VALUE", dest="changes", help=words)
+    words = "variant of all disputed equations of the paper (default: consistent)"
+    add("--readings", choices=get_args(Variant), help=words)
+    names = ", ".join(VARIANT_NAMES)
+    words = f"variant of one equation, consistent or printed; may be repeated: {names}"
+    metavar = "NAME=READING"
+    add("--reading", action="append", default=[], metavar=metavar, dest="switches", help=words)
+    words = "press and vibration set in together, or the part rests under a slow press before it "
+    words += "vibrates (default: as in the device's file, else simultaneous)"
+    add("--start", choices=get_args(Start), help=words)
+    words = (
+        "round part in a round hole, or a square one beside a slot as in the paper (default: as "
+    )
+    words += "in the device's file, round where it states none; square without --device)"
+    add("--shape", choices=get_args(Shape), help=words)
+    words = "end of a run: alignment, or insertion, jamming or climbing out after it "
+    words += f"(default: {scene})"
+    add("--scene", choices=list(SCENES), default=scene, help=words)
+    words = "depth at which a part counts as inserted, in metres with --device; needs --scene "
+    words += "insertion (default: half of what the press reaches, and at most the half-width)"
+    add("--insertion-depth", metavar="DEPTH", help=words)
+    words = "latest time, in seconds with --device, else in units of 1/p (default: 300/p)"
+    add("--horizon", metavar="H", help=words)
+    add("--tolerance", metavar="T", help="local error of a step (default: 1e-10)")
+
+
+def announce_compilation() -> None:
+    """Say at a terminal that the kernels are compiled first, unless they are cached."""
+    if sys.stderr.isatty() and not any(cache_folder().rglob("*.o")):
+        print("compiling the model, this once: some seconds …", file=sys.stderr)
+
+
+def set_options(changes: Mapping[str, object]) -> dict[str, str]:
+    """Return the option --set of each change as it is typed in a shell, by the change's name."""
+    return {name: f"--set {shlex.quote(f'{name}={value}')}" for name, value in changes.items()}
+
+
+def pairs(given: Sequence[str], option: str) -> dict[str, str]:
+    """Return the values by name of an option that is given as NAME=VALUE, several times."""
+    values: dict[str, str] = {}
+    for pair in given:
+        name, equals, value = pair.partition("=")
+        if not equals:
+            raise ValueError(f"{option} {pair!r}: must be NAME=VALUE")
+        if name in values:
+            raise ValueError(f"{option} {name}: given twice, as {values[name]!r} and {value!r}")
+        values[name] = value
+    return values
+
+
+def number(name: str, text: str, rule: str = "must be a number") -> float:
+    """Return ``text`` as a number.
+
+    Raises:
+        ValueError: it is no number; the message has the ``name`` of the quantity and the ``rule``.
+    """
+    try:
+        return float(plain(text))
+    except ValueError:
+        raise ValueError(f"{name} = {text!r}: {rule}") from None
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """Device and settings that the options of ``add_model_options`` state, checked."""
+
+    stated: StatedDevice | None  # the device as its file states it, None without --device
+    units: Units | None  # likewise
+    parameters: Parameters  # of the device, dimensionless
+    settings: Settings  # of its runs
+
+
+def read_inputs(arguments: argparse.Namespace) -> Inputs:
+    """Return the device and the settings of a command, and warn of doubtful values.
+
+    Without --device, --set changes the device of the paper's study.
+    """
+    stated = _stated_device(arguments)
+    settings = _settings(arguments, stated)
+    if stated is None:
+        return Inputs(None, None, _changed(baseline(), arguments.changes), settings)
+    settings = stated.run_settings(settings, stated.units)
+    return Inputs(stated, stated.units, stated.parameters, settings)
+
+
+def _stated_device(arguments: argparse.Namespace) -> StatedDevice | None:
+    if arguments.device is None:
+        return None
+    stated = load_device(arguments.device, pairs(arguments.changes, "--set"))
+    for name, quantity in (("horizon", TIME), ("insertion_depth", LENGTH)):
+        if (text := getattr(arguments, name)) is not None:
+            value = read_amount(name, text, quantity.unit).value
+            stated = replace(stated, **{name: value})  # type: ignore[arg-type]
+    if arguments.shape is not None:
+        stated = replace(stated, stated_shape=arguments.shape)
+    for doubt in stated.doubts:
+        print(f"vibralign: warning: {arguments.device}: {doubt}", file=sys.stderr)
+    return stated
+
+
+def _changed(device: Parameters, given: Sequence[str]) -> Parameters:
+    changes: dict[str, float | None] = {}
+    for name, text in pairs(given, "--set").items():
+        check_name(name, PARAMETER_NAMES, "parameter")
+        field = FIELDS[name]
+        if field.derived and text.lower() == "none":
+            changes[name] = None
+        else:
+            changes[name] = number(name, text, field.rule)
+    return device.replace(**changes)
+
+
+def _settings(arguments: argparse.Namespace, stated: StatedDevice | None) -> Settings:
+    """Return the default settings, changed by the options.
+
+    Horizon and depth of a ``stated`` device are in SI units, and not changed here.
+    """
+    switches: dict[str, Any] = asdict(Variants())
+    if arguments.readings:
+        switches = dict.fromkeys(VARIANT_NAMES, arguments.readings)
+    for name, value in pairs(arguments.switches, "--reading").items():
+        check_name(name, VARIANT_NAMES, "reading")
+        switches[name] = value
+    horizon, tolerance, depth = Settings.horizon, Settings.tolerance, None
+    if arguments.horizon is not None and stated is None:
+        horizon = number("horizon", arguments.horizon)
+    if arguments.insertion_depth is not None and stated is None:
+        depth = number("insertion_depth", arguments.insertion_depth)
+    if arguments.tolerance is not None:
+        tolerance = number("tolerance", arguments.tolerance)
+    return Settings(
+        readings=Variants(**switches),
+        scene=SCENES[arguments.scene],
+        shape=arguments.shape,
+        start=arguments.start or (stated and stated.start) or "simultaneous",
+        insertion_depth=depth,
+        horizon=horizon,
+        tolerance=tolerance,
+    )
+
+
+def parameter_table(device: Parameters) -> str:
+    """List name, symbol, default, SI unit and meaning of every quantity that a device states."""
+    rows = [("name", "symbol", "default", "SI unit", "meaning")]
+    for name, field in FIELDS.items():
+        value = getattr(device, name)
+        default = f"as {field.derived}" if value is None else f"{value:g}"
+        rule = field.rule.removeprefix("must be a finite number").removeprefix(",").strip()
+        words = field.description + (f"; {rule}" if rule else "")
+        rows.append((name, field.symbol, default, field.quantity.unit, words))
+    lines = ["parameters that --set takes, each a finite number:", *in_columns(rows)]
+    units = [(name, each.quantity.unit, each.description) for name, each in UNITS.items()]
+    units += [(name, unit, words) for name, (words, unit) in BASE.items()]
+    units += [(name, "1", f"damping ratio, in place of {each}") for name, each in RATIOS.items()]
+    units.append((CENTRE, LENGTH.unit, CENTRE_WORDS))
+    lines += ["what a file for --device states besides:", *in_columns(units)]
+    return "\n".join(lines) + "\n"

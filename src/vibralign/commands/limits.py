@@ -1,0 +1,53 @@
+"""Limits of a device file in words: what the device has, and that it keeps or exceeds them."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from model.physics.quantities import ANGLE, FORCE, TIME
+from vibralign.answers.si import si_words
+from vibralign.commands.tables import in_columns
+
+if TYPE_CHECKING:
+    from vibralign.answers.limits import LimitResult
+
+MEASURES = {"time": TIME, "contact_force": FORCE, "tilt": ANGLE}
+
+
+def limit_lines(results: "Sequence[LimitResult]") -> list[str]:
+    """Return a line on every limit; none without limits."""
+    if not results:
+        return []
+    rows = []
+    for each in results:
+        limit, itself = _limit(each), _value(each, each.itself)
+        drawn = () if each.drawn is None else (f"{_value(each, each.drawn)} of all drawn",)
+        word = "kept" if each.exceeding is None else "exceeded"
+        rows.append((each.name, f"limit {limit}", f"{itself} as stated", *drawn, word))
+    return ["limits:", *in_columns(rows)]
+
+
+def exceeded_words(results: "Sequence[LimitResult]", *, only_drawn: bool) -> str:
+    """Return words on the limits exceeded as stated, or ``only_drawn``; empty if none is."""
+    words = [
+        f"{each.name} ({_value(each, each.exceeding)} {_against(each)})"
+        for each in results
+        if each.exceeding is not None and each.only_drawn == only_drawn
+    ]
+    return f"exceeds the limit of {' and of '.join(words)}" if words else ""
+
+
+def _against(result: "LimitResult") -> str:
+    return f"against {_limit(result)}" if result.name == "vibration" else f"> {_limit(result)}"
+
+
+def _limit(result: "LimitResult") -> str:
+    if result.name == "vibration":
+        return "needed" if result.limit else "not needed"
+    return si_words(result.limit, MEASURES[result.name])
+
+
+def _value(result: "LimitResult", value: float) -> str:
+    if result.name == "vibration":
+        share = f"needed by {100.0 * value:.3g} %"
+        return {0.0: "not needed", 1.0: "needed"}.get(value, share)
+    return si_words(value, MEASURES[result.name])

@@ -1,0 +1,200 @@
+"""``vibralign map``: compute a stability map over any two parameters of any device."""
+
+import argparse
+import importlib.util
+import math
+import os
+from collections.abc import Mapping, Sequence
+from itertools import product
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from model.events.outcomes import SUCCESS_TEXT
+from model.physics.parameters import PARAMETER_NAMES, check_name
+from model.physics.quantities import FORCE
+from model.sweeps.axes import Axis
+from model.sweeps.settings import RunSettings
+from vibralign.answers.assumptions import (
+    as_attribute,
+    assumptions,
+    assumptions_with,
+    at_corners,
+    lines_of,
+)
+from vibralign.answers.forces import until
+from vibralign.answers.si import si_list
+from vibralign.commands.arguments import (
+    Inputs,
+    add_model_options,
+    announce_compilation,
+    number,
+    read_inputs,
+)
+from vibralign.commands.files import check_file, check_picture, writing
+from vibralign.commands.program import add_command
+from vibralign.commands.progress import ProgressLine
+from vibralign.device.amounts import read_amount, read_range
+from vibralign.device.spelling import ends_of, plain
+from vibralign.device.stated import QUANTITIES, StatedDevice, unit_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from model.sweeps.settings import Ensemble
+    from model.sweeps.sweep import Sweep
+
+_NEEDED = ("netCDF4", "scipy", "xarray")
+_FINEST = 1025
+_DEFAULT = 129
+
+
+def add(commands: Any) -> None:
+    """Add the command to the parsers of ``vibralign``."""
+    parser = add_command(
+        commands,
+        "map",
+        _map,
+        "map outcome, duration and reliability of a device over two parameters",
+        ". Every node of a grid is computed. A reliable device "
+        "goes in (or aligns, with --scene alignment) from every phase of the excitation and "
+        "initial tilt that the study tries, which are tried at every few nodes. With "
+        "--device, the ranges of --x and --y and the map are in SI units, else dimensionless.",
+        epilog="exit code: 0 the map was made; 1 it could not be written; 2 bad input",
+    )
+    add = parser.add_argument
+    for side in ("x", "y"):
+        words = f"parameter along {side}, with its least and largest value (0 1, or 0..1); with "
+        words += "--device any quantity of its file, and values such as 10um"
+        add(f"--{side}", nargs="+", required=True, metavar=("NAME", "RANGE"), help=words)
+    words = f"values along each side (default: {_DEFAULT})"
+    add("--resolution", default=str(_DEFAULT), metavar="N", help=words)
+    words = "netCDF file to write; an old one is replaced when the new one is complete"
+    add("--out", type=Path, required=True, metavar="FILE", help=words)
+    words = "draw the map into FILE (.png, .svg, .pdf and others)"
+    add("--plot", type=Path, metavar="FILE", help=words)
+    add_model_options(parser, scene="insertion")
+
+
+def _map(arguments: argparse.Namespace) -> int:
+    missing = [name for name in _NEEDED if importlib.util.find_spec(name) is None]
+    if missing:
+        raise ValueError(
+            f"map needs {', '.join(missing)}, not installed: pip install 'vibralign[study]'"
+        )
+    check_file(arguments.out, "--out", ["nc"])
+    if arguments.plot is not None:
+        check_picture(arguments.plot)
+    sweep, assumed = _sweep(arguments)
+    announce_compilation()
+    # Imported here: half a second that only this command needs.
+    from model.sweeps.io import write_dataset  # noqa: PLC0415
+    from model.sweeps.sweep import merge, run  # noqa: PLC0415
+
+    with ProgressLine() as line:
+        line.begin("nodes and starts")
+        parts = [run(sweep, cores=os.cpu_count() or 1)]
+    y, x = sweep.swept
+    dataset = merge(sweep, f"Area of stable alignment over {x} and {y}", parts)
+    known = until(sweep.settings.settings)
+    dataset["contact_force_max"].attrs["comment"] = f"from the stated start, {known}"
+    dataset = dataset.assign_attrs(assumptions=as_attribute(assumed))
+    with writing():
+        write_dataset(dataset, arguments.out)
+        if arguments.plot is not None:
+            from vibralign.plots.maps import stability_map  # noqa: PLC0415
+            from vibralign.plots.style import write  # noqa: PLC0415
+
+            write(stability_map(dataset), arguments.plot)
+    print("\n".join([*_report(dataset), *lines_of(assumed)]))
+    return 0
+
+
+def _sweep(arguments: argparse.Namespace) -> tuple["Sweep", dict[str, str]]:
+    """Return the sweep of the map, and what it assumes."""
+    given, count = read_inputs(arguments), _count(arguments.resolution)
+    from model.sweeps.settings import Ensemble  # noqa: PLC0415  (as in _map)
+
+    starts = Ensemble()
+    axes, at = {"--x": arguments.x, "--y": arguments.y}, None
+    if given.stated is not None and "frequency" not in {name for name, *_ in axes.values()}:
+        at = given.stated.quantities["frequency"]
+    x, y = (_axis(option, words, count, given.stated, at) for option, words in axes.items())
+    from vibralign.answers.maps import map_of  # noqa: PLC0415
+
+    device = given.stated or given.parameters
+    sweep = map_of(device, RunSettings.of(given.settings), (x, y), starts)
+    ends = ([(axis.parameter, end) for end in (axis.start, axis.stop)] for axis in (x, y))
+    return sweep, at_corners([_assumed(given, starts, dict(each)) for each in product(*ends)])
+
+
+def _assumed(given: Inputs, starts: "Ensemble", values: Mapping[str, float]) -> dict[str, str]:
+    """Return what the answer at one place of the map assumes."""
+    if given.stated is None:
+        return assumptions(given.parameters.replace(**values), given.settings, None, starts)
+    return assumptions_with(given.stated, values, given.settings, starts)
+
+
+def _count(text: str) -> int:
+    rule = f"must be a whole number, 2 to {_FINEST}"
+    value = number("resolution", text, rule)
+    if not (2 <= value <= _FINEST and value == int(value)):
+        raise ValueError(f"resolution = {text}: {rule}")
+    return int(value)
+
+
+def _axis(
+    option: str,
+    given: Sequence[str],
+    count: int,
+    stated: StatedDevice | None,
+    frequency: float | None,
+) -> Axis:
+    """Return ``count`` values of a range; that of a ``stated`` device in SI or its own units.
+
+    ``frequency`` in Hz is that of the whole map, None if it has several.
+    """
+    from vibralign.answers.maps import QuantityAxis  # noqa: PLC0415  (as in _map)
+
+    name, *words = given
+    check_name(name, PARAMETER_NAMES if stated is None else QUANTITIES, "parameter")
+    what, text = f"{option} {name}", " ".join(words)
+    ends = ends_of(plain(text)) or words
+    if len(ends) != 2:
+        raise ValueError(f"{what} {text}: must be two values, such as 0 1 or 0..1")
+    if stated is None:
+        start, stop = (number(what, end) for end in ends)
+    elif ends != words:
+        start, stop = read_range(what, text, unit_of(name), frequency)
+    else:
+        unit = unit_of(name)
+        start, stop = (read_amount(what, end, unit, frequency).value for end in ends)
+    if not (math.isfinite(start) and math.isfinite(stop) and start < stop):
+        raise ValueError(f"{what} {text}: must be two finite numbers, the smaller first")
+    kind = Axis if stated is None else QuantityAxis
+    return kind(parameter=name, start=start, stop=stop, count=count)
+
+
+def _report(dataset: "xr.Dataset") -> list[str]:
+    from model.sweeps.vibration import ONLY_VIBRATED, added, success_of  # noqa: PLC0415  (as in _map)
+
+    by_vibration = float((added(dataset) == ONLY_VIBRATED).mean())
+    success = success_of(dataset)
+    share = float((dataset["outcome"] == success).mean())
+    rows = [
+        (SUCCESS_TEXT[success], f"{100.0 * share:.3g} % of {dataset['outcome'].size:,} nodes"),
+        ("vibration", f"{100.0 * by_vibration:.3g} %: does not align without it"),
+        ("sensitive", f"{100.0 * float(dataset['sensitive'].mean()):.3g} %: may end differently"),
+    ]
+    force = dataset["contact_force_max"].where(dataset["outcome"] == success)
+    if force.notnull().any():
+        least, most = float(force.min()), float(force.max())
+        is_si = force.attrs["units"] == FORCE.unit
+        words = si_list([least, most], FORCE, " to ") if is_si else f"{least:.4g} to {most:.4g}"
+        words += f" where it {SUCCESS_TEXT[success]}, {force.attrs['comment']}"
+        rows.append(("largest force", words))
+    if "reliable" in dataset:
+        share, nodes = float(dataset["reliable"].mean()), dataset["reliable"].size
+        starts = dataset["start_outcome"].size // nodes
+        words = f"{100.0 * share:.3g} % of {nodes:,} nodes, from each of {starts} starts"
+        rows.insert(1, ("reliable", words))
+    return [f"{name:<15}{words}" for name, words in rows]

@@ -1,0 +1,94 @@
+"""Many devices at once: those of a file with some quantities changed."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from model.physics.parameters import FIELDS, Batch, Parameters
+from model.physics.units import UNITS, Units, scales
+from model.runs.settings import Settings
+from vibralign.device.base import CENTRE
+from vibralign.device.holder import RATIOS
+from vibralign.device.stated import StatedDevice
+
+_ALONE = {"frequency", "friction", "phase", "initial_tilt"}  # of which no other quantity follows
+
+Values = Mapping[str, NDArray[np.float64]]
+"""Quantities that vary together, each of shape (n,)."""
+
+
+def devices_of(stated: Parameters | StatedDevice, values: Values) -> tuple[Batch, list[Units]]:
+    """Return parameters of the devices with these quantities, and units of those in SI units.
+
+    A value that is the device's own is no change: what is computed from others still is.
+
+    Raises:
+        ValueError: a quantity outside its rule.
+    """
+    if isinstance(stated, Parameters):
+        return Batch.of(stated, **values), []
+    size = len(next(iter(values.values()))) if values else 1
+    si = _resolved(stated, values, size)
+    columns = (np.broadcast_to(si[name], size).tolist() for name in UNITS)
+    rows = [*zip(*columns, strict=True)]
+    known = {row: Units(*row) for row in dict.fromkeys(rows)}
+    units = [known[row] for row in rows]
+    given = {name: column for name, column in si.items() if name in FIELDS}
+    usual = Batch.stack([stated.parameters]).values
+    batch = {name: np.full(size, usual[name]) for name in FIELDS}
+    # The rules hold in any units: a refusal names the value in SI units.
+    Batch({**batch, **{n: np.where(np.isnan(v), batch[n], v) for n, v in given.items()}}).checked(
+        *given
+    )
+    for name, column in given.items():
+        scaled = column / scales(units, FIELDS[name].quantity)
+        batch[name] = np.where(np.isnan(column), batch[name], scaled)
+    return Batch(batch), units
+
+
+def _resolved(stated: StatedDevice, values: Values, size: int) -> dict[str, NDArray[np.float64]]:
+    """Return ``stated.resolved`` of many devices, shape (n,) or (); NaN where nothing is stated."""
+    own = {**stated.values, **stated.quantities}
+    if not (stated.materials or stated.quantities.keys() & {*RATIOS, "restitution", CENTRE}) and (
+        values.keys() <= {*FIELDS, *UNITS}
+    ):  # nothing is computed from others
+        changed = {
+            name: column
+            if name in stated.quantities
+            else np.where(column == own.get(name), np.nan, column)
+            for name, column in values.items()
+        }
+        return {name: np.asarray(v) for name, v in {**stated.quantities, **changed}.items()}
+    computing = {name: column for name, column in values.items() if name not in _ALONE}
+    table = np.array([*computing.values()]).reshape(len(computing), size).T
+    nodes, which = np.unique(table, axis=0, return_inverse=True)
+    named = (zip(computing, row, strict=True) for row in nodes.tolist())
+    each = [stated.resolved({name: v for name, v in row if v != own.get(name)}) for row in named]
+    names = dict.fromkeys(name for one in each for name in one)
+    found = {n: np.array([one.get(n, np.nan) for one in each]) for n in names}
+    alone = {name: values[name] for name in values if name in _ALONE}
+    return {name: column[which.reshape(-1)] for name, column in found.items()} | alone
+
+
+def rows_of(batch: Batch, rows: Sequence[int] | NDArray[np.int64]) -> Batch:
+    """Return the parameter sets in some rows of a batch."""
+    return Batch({name: column[rows] for name, column in batch.values.items()})
+
+
+def by_settings(
+    stated: StatedDevice, settings: Settings, units: Sequence[Units]
+) -> dict[Settings, list[int]]:
+    """Return the rows of the devices with these units by the settings of their runs.
+
+    A horizon or depth in SI units differs between devices of different units.
+    """
+    if stated.horizon is None and stated.insertion_depth is None:
+        return {stated.run_settings(settings, stated.units): [*range(len(units))]}
+    rows: dict[Settings, list[int]] = {}
+    known: dict[int, Settings] = {}
+    for row, each in enumerate(units):
+        if id(each) not in known:
+            known[id(each)] = stated.run_settings(settings, each)
+        rows.setdefault(known[id(each)], []).append(row)
+    return rows

@@ -1,0 +1,229 @@
+"""Plausibility of a device: values that make no sense are refused, doubtful ones are named.
+
+Every range below holds the devices of docs/ and of the study with room to spare, and leaves out
+each of their quantities if it is a thousand times larger or smaller: a wrong prefix is noticed.
+"""
+
+import math
+from collections.abc import Iterator, Mapping
+
+from model.physics.geometry import farthest_round, lever_doubt
+from model.physics.parameters import FIELDS, Shape, constants_of
+from model.physics.quantities import LENGTH
+from model.physics.units import Device
+from vibralign.device.base import mass_at_edge
+from vibralign.device.holder import DIRECTIONS, critical_damping, natural_frequencies
+from vibralign.device.spelling import in_per_cent
+
+_LONGEST = 1.0  # m
+# Moment of inertia over that of a rectangle of the same mass, m(a² + b²)/3. A solid cylinder has at
+# least 0.75, a solid ellipsoid 0.6, and a gripper adds to it. Whole sizes for half ones give 1/4.
+_INERTIA = 0.6, 16.0
+_DENSITY = 500.0, 20e3  # mass over the volume of the part, kg/m³
+_WIDEST, _NARROWEST = 0.5, 1e-4  # clearance
+_SLIPPERIEST, _ROUGHEST = 0.005, 1.0  # friction
+_STEEPEST = 0.5  # tilt at the start, rad
+_SHARPEST = 1e-6  # rounding of an edge, m
+_DOUBTED = 0.5  # share by which the lever of a round part may be longer
+_DEADEST = 0.01  # restitution
+_STIFFEST = 3e10  # contact stiffness over half_width, Pa; edges of steel on steel have some 1e9
+_DAMPING = 2e-3, 5.0  # damping ratio
+_MOST_DAMPED = 1.0  # a ratio as it is measured, by the ringing of the holder
+_EXCITATION = 0.05, 100.0  # excitation frequency over axial resonance
+_PRESS = 0.01, 100.0  # press force over the excitation's amplitude
+_SLENDERNESS = 0.02, 10.0  # half_width over half_height
+_PLATE = 1e-3, 1.0  # thickness of a plate over its radius
+_SOFTEST = 10.0  # contact stiffness over axial stiffness
+# Natural frequency over the axial one.
+_FREQUENCIES = {"lateral": (0.033, 3.3), "tilt": (0.1, 8.0)}
+
+
+def check_press(force: float) -> None:
+    """Refuse a press force in N that is not > 0."""
+    if not force > 0.0:
+        raise ValueError(f"press_force = {force!r}: must be > 0, or nothing presses the part")
+
+
+def check_place(quantities: Mapping[str, float]) -> None:
+    """Refuse quantities in SI units with which the part starts inside the hole."""
+    play = quantities["clearance"] * quantities["half_width"]
+    if not quantities["misalignment"] > play:
+        raise ValueError(
+            f"misalignment = {quantities['misalignment']:.6g} m: already inside at the start, "
+            f"misalignment <= clearance * half_width = {play:.6g} m; the clearance is the ratio "
+            "(hole - peg) / peg of the radii, not a length"
+            + (in_per_cent(quantities["clearance"]) if quantities["clearance"] > _WIDEST else "")
+        )
+
+
+def doubts(quantities: Mapping[str, float], device: Device, shape: Shape) -> list[str]:
+    """Return a line for each value that is possible but probably not meant.
+
+    Args:
+        quantities: all that is stated, and the parameters computed from it, in SI units.
+        device: the same device in its own units.
+        shape: shape of part and hole.
+    """
+    found = _lengths, _sizes, _fit, _start, _excitation, _stiffnesses, _dampings
+    lines = [line for each in found for line in each(quantities, device)]
+    lines += [*_place(quantities, shape), *_base(quantities, shape)]
+    return [*lines, *_lever(quantities, device, shape)]
+
+
+def _outside(value: float, span: tuple[float, float]) -> bool:
+    return not span[0] <= value <= span[1]
+
+
+def _mm(quantities: Mapping[str, float], name: str) -> str:
+    return f"{name} = {1e3 * quantities[name]:.3g} mm"
+
+
+def _lengths(given: Mapping[str, float], _device: Device) -> Iterator[str]:
+    lengths = {name for name, field in FIELDS.items() if field.quantity == LENGTH}
+    for name in given:
+        if name in {*lengths, "amplitude"} - {"misalignment"} and abs(given[name]) > _LONGEST:
+            yield (
+                f"{name} = {given[name]:.4g} m is longer than a metre: numbers without a unit "
+                f"are in metres, write {given[name]:.4g} mm if these are millimetres"
+            )
+
+
+def _sizes(given: Mapping[str, float], _device: Device) -> Iterator[str]:
+    radius = math.sqrt(given["inertia"] / given["mass"])
+    size = math.hypot(given["half_width"], given["half_height"]) / math.sqrt(3.0)
+    if _outside((radius / size) ** 2, _INERTIA):
+        words = (
+            f"inertia and mass give a radius of gyration of {1e3 * radius:.3g} mm, a rectangle "
+            f"with {_mm(given, 'half_width')} and {_mm(given, 'half_height')} has "
+            f"{1e3 * size:.3g} mm"
+        )
+        density = given["mass"] / (8.0 * given["half_width"] ** 2 * given["half_height"])
+        heavy = f"mass = {given['mass']:.3g} kg is {density:.2g} kg/m³ of a box of the part's size"
+        hint = ": half_width is half the width (the radius), half_height half the length"
+        words = f"{heavy}; {words}" if _outside(density, _DENSITY) else words
+        yield words + hint if radius < size else words
+    if _outside(given["half_width"] / given["half_height"], _SLENDERNESS):
+        yield f"{_mm(given, 'half_width')}, while {_mm(given, 'half_height')}"
+    for name, words in (("amplitude", ""), ("misalignment", ": its axis is beside the hole")):
+        if given[name] > given["half_width"]:
+            yield f"{_mm(given, name)} is larger than {_mm(given, 'half_width')}{words}"
+
+
+def _fit(given: Mapping[str, float], _device: Device) -> Iterator[str]:
+    clearance, friction = given["clearance"], given["friction"]
+    if clearance > _WIDEST:
+        wide = 1.0 + clearance
+        yield (
+            f"clearance = {clearance:.3g}: the hole is {wide:.3g} times as wide as the part"
+            f"{in_per_cent(clearance)}"
+        )
+    if clearance < _NARROWEST:
+        play = 1e6 * clearance * given["half_width"]
+        yield f"clearance = {clearance:.3g} leaves {play:.2g} µm on each side"
+    if friction > _ROUGHEST:
+        yield f"friction = {friction:.3g} is more than 1{in_per_cent(friction)}"
+    if 0.0 < friction < _SLIPPERIEST:
+        yield f"friction = {friction:.3g} is less than dry or greased surfaces have"
+
+
+def _start(given: Mapping[str, float], _device: Device) -> Iterator[str]:
+    for name, most in (("initial_tilt", _STEEPEST), ("rest_tilt", _STEEPEST), ("phase", math.tau)):
+        if abs(given.get(name, 0.0)) > most:
+            yield (
+                f"{name} = {given[name]:.4g} rad is {math.degrees(given[name]):.4g}°: write "
+                f"{given[name]:.4g} deg if it is in degrees"
+            )
+
+
+def _place(given: Mapping[str, float], shape: Shape) -> Iterator[str]:
+    radius, tilt = given["half_width"], given.get("initial_tilt", 0.0)
+    hole = radius * (1.0 + given["clearance"])
+    farthest = farthest_round(radius, hole, given["half_height"], tilt)
+    if shape == "round" and given["misalignment"] >= farthest:
+        yield (
+            f"{_mm(given, 'misalignment')}: the press tilts a round part of this clearance towards "
+            f"the hole from up to {1e3 * farthest:.3g} mm; farther out it stands flat"
+        )
+
+
+def _lever(given: Mapping[str, float], device: Device, shape: Shape) -> Iterator[str]:
+    doubt = lever_doubt(constants_of(device.parameters, shape)) if shape == "round" else 0.0
+    if _DOUBTED < doubt < math.inf:
+        yield (
+            f"soft base: at contact_stiffness = {given['contact_stiffness']:.4g} N/m, stated or "
+            "taken, the contact yields about as much as the lever of the press is long, which may "
+            f"be {100.0 * doubt:.2g} % longer: do not trust the verdict"
+        )
+
+
+def _excitation(given: Mapping[str, float], device: Device) -> Iterator[str]:
+    resonance = 1.0 / (math.tau * device.units.time)
+    if given["frequency"] and _outside(given["frequency"] / resonance, _EXCITATION):
+        yield (
+            f"frequency = {given['frequency']:.4g} Hz, while mass and axial_stiffness have their "
+            f"resonance at {resonance:.3g} Hz"
+        )
+    if _outside(given["press_force"] / device.units.force, _PRESS):
+        yield (
+            f"press_force = {given['press_force']:.4g} N, while the excitation has an "
+            f"amplitude of {device.units.force:.3g} N (axial_stiffness times amplitude)"
+        )
+
+
+def _stiffnesses(given: Mapping[str, float], device: Device) -> Iterator[str]:
+    natural = natural_frequencies(device.parameters)
+    resonance = 1.0 / (math.tau * device.units.time)
+    for direction, span in _FREQUENCIES.items():
+        if natural[direction] and _outside(natural[direction], span):
+            name = f"{direction}_stiffness"
+            yield (
+                f"{name} = {given[name]:.4g} {FIELDS[name].quantity.unit} gives a natural "
+                f"frequency of {natural[direction] * resonance:.3g} Hz, the axial one is "
+                f"{resonance:.3g} Hz"
+            )
+
+
+def _dampings(given: Mapping[str, float], _device: Device) -> Iterator[str]:
+    for direction in DIRECTIONS:
+        name, critical = f"{direction}_damping", critical_damping(direction, given)
+        instead = f"{name}_ratio"
+        if given.get(instead, 0.0) > _MOST_DAMPED:
+            yield f"{instead} = {given[instead]:.4g} is more than 1{in_per_cent(given[instead])}"
+        elif given[name] and critical and _outside(given[name] / critical, _DAMPING):
+            ratio = given[name] / critical
+            unit = FIELDS[name].quantity.unit
+            words = f"{name} = {given[name]:.4g} {unit} is a damping ratio of {ratio:.2g}"
+            hint = f"; if {given[name]:.4g} is the ratio, write {instead}"
+            yield words if instead in given else words + hint
+
+
+def _base(given: Mapping[str, float], shape: Shape) -> Iterator[str]:
+    stiffness = given.get("contact_stiffness")
+    if stiffness is not None:
+        if stiffness < _SOFTEST * given["axial_stiffness"]:
+            yield (
+                f"contact_stiffness = {stiffness:.4g} N/m: the base is hardly stiffer than the "
+                f"holder, axial_stiffness = {given['axial_stiffness']:.4g} N/m"
+            )
+        if stiffness > _STIFFEST * given["half_width"]:
+            yield f"contact_stiffness = {stiffness:.4g} N/m is more than steel of this size has"
+        damping = given.get("contact_damping", 0.0)
+        ratio = damping / (2.0 * math.sqrt(stiffness * mass_at_edge(given, shape)))
+        if damping and "restitution" not in given and _outside(ratio, _DAMPING):
+            yield f"contact_damping = {damping:.4g} N s/m is a damping ratio of {ratio:.2g}"
+    if given.get("restitution", 1.0) < _DEADEST:
+        yield f"restitution = {given['restitution']:.3g}: hardly anything bounces so little"
+    radius = given.get("edge_radius", _SHARPEST)
+    overlap = given["misalignment"] - given["clearance"] * given["half_width"]
+    if radius < _SHARPEST:
+        yield f"{_mm(given, 'edge_radius')}: sharper than edges are"
+    if radius > overlap:
+        yield (
+            f"{_mm(given, 'edge_radius')}, while the part lies on the edge by at most "
+            f"{1e3 * overlap:.3g} mm (misalignment - clearance * half_width): it starts on the "
+            "rounding, and the model has sharp edges"
+        )
+    if "plate_radius" in given and _outside(
+        given["plate_thickness"] / given["plate_radius"], _PLATE
+    ):
+        yield f"{_mm(given, 'plate_thickness')}, while {_mm(given, 'plate_radius')}"

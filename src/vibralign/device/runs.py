@@ -1,0 +1,160 @@
+"""Runs of devices in any form: of a file, as ``load_device`` returns them, or dimensionless.
+
+A device of a file runs as the file states it: its start, its shape, and a horizon or depth in SI
+units, unless the settings state another.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from model.physics.parameters import Batch, Parameters
+from model.physics.quantities import LENGTH, TIME, Quantity
+from model.physics.tables import vars_of
+from model.runs import align as many
+from model.runs import simulate as single
+from model.runs.align import Alignments
+from model.runs.engines import Engine
+from model.runs.settings import Settings, settings_with
+from model.runs.simulate import Trajectory
+from vibralign.device.amounts import read_amount
+from vibralign.device.stated import QUANTITIES, StatedDevice, load_device
+
+Device = Parameters | StatedDevice
+AnyDevice = Device | Path | str
+IN_SI: dict[str, Quantity] = {"horizon": TIME, "insertion_depth": LENGTH}
+"""Settings that may be texts with a unit, such as ``horizon="3 s"``, for a device in SI units."""
+
+
+def device_of(given: object) -> Device:
+    """Return a device; a text or path is that of its file.
+
+    Raises:
+        TypeError: no device; a list is not one.
+        DeviceError: as ``load_device``.
+    """
+    if isinstance(given, (str, Path)):
+        return load_device(given)
+    if not isinstance(given, (Parameters, StatedDevice)):
+        raise TypeError(
+            "a device is Parameters, what load_device returns, or the path of its file, got "
+            f"{type(given).__name__}"
+        )
+    return given
+
+
+def devices_in(given: AnyDevice | Iterable[AnyDevice]) -> list[Device]:
+    """Return the devices of a list, or the one that is given in place of a list.
+
+    Raises:
+        TypeError, DeviceError: as ``device_of``.
+    """
+    if isinstance(given, (str, Mapping)) or not isinstance(given, Iterable):
+        return [device_of(given)]
+    return [device_of(each) for each in given]
+
+
+def with_changes(
+    device: Device, settings: Settings | None, changes: dict[str, Any]
+) -> tuple[Device, Settings]:
+    """Return a device with the horizon and depth that are texts, and the settings with the rest.
+
+    Raises:
+        TypeError, ValueError: as ``settings_with``, or a text that is no amount.
+    """
+    if isinstance(device, Parameters):
+        return device, _settings_with(settings, changes)
+    texts = {n: v for n, v in changes.items() if n in IN_SI and isinstance(v, str)}
+    in_si: Any = {n: read_amount(n, text, IN_SI[n].unit).value for n, text in texts.items()}
+    others = {name: value for name, value in changes.items() if name not in texts}
+    return replace(device, **in_si), _settings_with(settings, others)
+
+
+def _settings_with(settings: Settings | None, changes: dict[str, Any]) -> Settings:
+    """Return ``settings_with``; a quantity of a device among the changes is sent to its place."""
+    for name, value in changes.items():
+        if name in QUANTITIES:
+            raise ValueError(
+                f"unknown setting {name!r}: it is a quantity of the device. Change the device: "
+                f"load_device(file, {{{name!r}: {value!r}}}), device.changed({name}={value!r}), or "
+                f"Parameters.replace for dimensionless ones; sweep(device, {name}={value!r}) takes "
+                "it, too"
+            )
+    return settings_with(settings, changes)
+
+
+def as_run(
+    device: Device, settings: Settings | None, changes: dict[str, Any]
+) -> tuple[Parameters, Settings]:
+    """Return the parameters of a device and the settings of its runs; raises as above."""
+    device, settings = with_changes(device, settings, changes)
+    if isinstance(device, Parameters):
+        return device, settings
+    return device.parameters, device.run_settings(settings, device.units)
+
+
+def simulate(parameters: AnyDevice, settings: Settings | None = None, **changes: Any) -> Trajectory:
+    """Run one device and return its trajectory, dimensionless, with the units of a device in SI.
+
+    Args:
+        parameters: device, excitation and initial state; or a device as ``load_device`` returns it,
+            or the path of its file: with the start and shape that it states unless the settings
+            state others.
+        settings: settings of the run; the defaults of ``Settings`` if None.
+        **changes: fields of ``Settings`` by name, over those of ``settings`` (``horizon=100``);
+            ``horizon="3 s"`` and ``insertion_depth="2 mm"`` for a device in SI units.
+
+    Raises:
+        TypeError: no ``Parameters`` and no device, or a setting of the wrong type.
+        ValueError: a setting that is unknown or out of range, or a file that states no device.
+    """
+    device = device_of(parameters)
+    run = single.simulate(*as_run(device, settings, changes))
+    return run if isinstance(device, Parameters) else replace(run, units=device.units)
+
+
+def align(
+    batch: Batch | AnyDevice | Sequence[AnyDevice],
+    settings: Settings | None = None,
+    *,
+    cores: int | None = None,
+    engine: Engine | None = None,
+    **changes: Any,
+) -> Alignments:
+    """Run every device of ``batch`` to its end and estimate the error of its result.
+
+    Each result depends on its own device only: row i of ``align(batch)`` equals
+    ``align([batch[i]])`` to the bit, for any order and any number of cores.
+
+    Args:
+        batch: a ``Batch``, a device as ``simulate`` takes it, or a sequence of such devices.
+        settings: settings of the runs; the defaults of ``Settings`` if None.
+        cores: number of threads, >= 1; all cores by default.
+        engine: "scalar" is the reference engine, one set at a time by Runge-Kutta steps. "batch" is
+            the batch engine, many sets at a time by Taylor series; it needs the consistent
+            readings. By default "batch" where it fits, else "scalar". Results of the two agree
+            within their error estimates.
+        **changes: fields of ``Settings`` by name, as ``simulate`` takes them.
+
+    Raises:
+        TypeError: no batch and no sequence of devices, or a setting of the wrong type.
+        ValueError: an empty batch, fewer than one core, an engine that does not fit, or a setting
+            that is unknown or out of range.
+    """
+    devices = batch if isinstance(batch, Batch) else devices_in(batch)
+    if isinstance(devices, Batch) or all(isinstance(each, Parameters) for each in devices):
+        own = _settings_with(settings, changes)
+        return many.align(devices, own, cores=cores, engine=engine)  # type: ignore[arg-type]
+    runs = [as_run(each, settings, changes) for each in devices]
+    rows: dict[Settings, list[int]] = {}
+    for row, (_, own) in enumerate(runs):
+        rows.setdefault(own, []).append(row)
+    found: dict[str, Any] = {}
+    for own, some in rows.items():
+        part = many.align([runs[row][0] for row in some], own, cores=cores, engine=engine)
+        for name, column in vars_of(part).items():
+            found.setdefault(name, np.empty(len(runs), column.dtype))[some] = column
+    return Alignments(**found)

@@ -1,0 +1,240 @@
+"""Content of a page of the explorer: parameters, presets and words.
+
+Values are in the page's units: SI for a device of a file, else dimensionless.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from itertools import product
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+from model.engine.results import TRACK_VARIABLES
+from model.events.insertion import INSERTION
+from model.events.outcomes import (
+    OUTCOME_TEXT,
+    REASON_TEXT,
+    UNVIBRATED_TEXT,
+    Outcome,
+    Reason,
+    remedy,
+)
+from model.physics.fields import Field
+from model.physics.parameters import FIELDS, Parameters
+from model.physics.quantities import ANGLE, FORCE, PLAIN, TIME, Quantity
+from model.physics.units import UNITS, Units
+from model.runs.settings import Settings
+from vibralign.answers.forces import until
+from vibralign.answers.si import display, scale
+from vibralign.plots.words import symbol_parts
+
+FIRST = ("friction", "press_force", "tilt_stiffness", "frequency")  # sliders at the top
+# Axes of the map where a preset states none.
+DEFAULT_AXES: dict[str, Any] = {"x": "tilt_stiffness", "y": "press_force"}
+# Track variables of each panel over time, with their labels; "" stands for the symbol.
+_PANELS: tuple[Mapping[str, str], ...] = (
+    {"x": ""}, {"y": ""}, {"tilt": ""},
+    {"contact_force": "n, under the part", "right_force": "right side", "side_force": "left side"},
+)  # fmt: skip
+_SMALL_ANGLE = 0.05  # rad, from the middle of a slider to its ends
+
+_EVENT_WORDS: Mapping[str, str] = {
+    "aligned": "the edge is past the corner: aligned",
+    "corners_inside": "both bottom corners are inside the slot",
+    "inserted": "deep enough: inserted",
+    "right_edge_enters": "the part lands on the edge",
+    "left_edge_enters": "the part lands on the far edge",
+    "right_corner_touches": "the right corner meets its wall",
+    "left_corner_touches": "the left corner meets its wall",
+    "support_slip": "the slip on the right ends or turns",
+    "side_slip": "the slip on the left ends or turns",
+}
+_CHANGES: Mapping[str, str] = {
+    "load": "the load on {} vanishes: lift-off",
+    "gap": "the gap at {} opens",
+    "reload": "{} presses again",
+    "end": "{} is at the end of its face",
+}
+_PLACES: Mapping[str, str] = {
+    "face": "the edge",
+    "corner": "the corner beside the slot",
+    "side": "the left edge",
+    "right_side": "the right edge",
+    "right_wall": "the right corner",
+    "left_wall": "the left corner",
+}
+
+
+def _event_words(name: str) -> str:
+    """Return what an event means, or its name in words."""
+    place, _, change = name.rpartition("_")
+    if place in _PLACES and change in _CHANGES:
+        return _CHANGES[change].format(_PLACES[place])
+    return _EVENT_WORDS.get(name, name.replace("_", " "))
+
+
+def _shown(units: Units | None, quantity: Quantity, value: float = 0.0) -> dict[str, Any]:
+    """Return a quantity's powers of the units, its unit, and the unit in which it is shown.
+
+    The unit shown suits ``value``, in the page's unit; if that is 0, one dimensionless unit.
+    """
+    powers = [quantity.length, quantity.time, quantity.force, quantity.factor]
+    if units is None:
+        unit = "rad" if quantity == ANGLE else ""
+        return {"powers": powers, "si": unit, "unit": unit, "one": 1.0}
+    unit, one = display(value or units.of(quantity), quantity)
+    si = "" if quantity == PLAIN else quantity.unit
+    return {"powers": powers, "si": si, "unit": unit, "one": one}
+
+
+def _values(units: Units | None, parameters: Parameters) -> dict[str, float | None]:
+    """Return the parameters in the page's units, after the units themselves."""
+    if units is None:
+        return parameters.given()
+    return vars(units) | units.in_si(parameters).given()
+
+
+# The options that a device's page was made with; the commands that it copies repeat them.
+_NO_ORIGIN: Mapping[str, Any] = {
+    "options": (),  # all except --set, quoted for a shell
+    "sets": {},  # the --set options by name, likewise
+    # Parameters that follow from other quantities of the device's file, with these quantities; the
+    # page keeps their values while others change.
+    "held": {},
+    "horizon": None,  # latest time of the runs in s, None if it is in units of 1/p
+}
+
+
+def device_model(
+    device: Parameters,
+    units: Units | None,
+    file: str,
+    settings: Settings,
+    interface: Mapping[str, Any],
+    origin: Mapping[str, Any] = _NO_ORIGIN,
+    assumed: Mapping[str, str] = MappingProxyType({}),
+) -> dict[str, Any]:
+    """Return the content of the page of a device, in SI units if it has ``units``.
+
+    ``assumed`` is what its runs assume, in words by name.
+    """
+    preset = {
+        **DEFAULT_AXES, "group": "Device", "title": file or "the paper's device",
+        "words": _held_words(origin["held"]), "values": _values(units, device),
+    }  # fmt: skip
+    return {
+        **page_model(f"vibralign explorer: {file}", device, units, settings, interface, assumed),
+        "origin": origin,
+        "name": Path(file).stem or "device",
+        "parameters": described(device, units),
+        "presets": {"device": preset},
+        "first": "device",
+        "maps": {},
+    }
+
+
+def page_model(
+    title: str,
+    baseline: Parameters,
+    units: Units | None,
+    settings: Settings,
+    interface: Mapping[str, Any],
+    assumed: Mapping[str, str],
+) -> dict[str, Any]:
+    """Return the content that every page has."""
+    said = "; ".join(f"{name}: {words}" for name, words in assumed.items())
+    inserts = "inserted" in interface["events"]  # as the page's engines do, whatever the settings
+    return {
+        "title": title,
+        "footer": f"Made by vibralign. Tolerance {settings.tolerance:g}, one run without an "
+        "estimate of its error; vibralign simulate gives that."
+        + (f" Assumed as the page opens: {said}." if said else ""),
+        "origin": _NO_ORIGIN,
+        "name": "",
+        "units": units is not None,
+        "interface": interface,
+        "control": dict(
+            zip(interface["limits"], (settings.tolerance, *settings.control), strict=True)
+        ),
+        "baseline": _values(units, baseline),
+        "outcomes": {int(each): text for each, text in OUTCOME_TEXT.items()},
+        "reasons": {int(each): text for each, text in REASON_TEXT.items()},
+        "remedies": {f"{o:d},{r:d}": remedy(o, r) for o, r in product(Outcome, Reason)},
+        "events": [_event_words(each) for each in interface["events"]],
+        "unvibrated": {int(each): text for each, text in UNVIBRATED_TEXT.items()},
+        "panels": [_panel(panel, units) for panel in _PANELS],
+        "time": _shown(units, TIME),
+        "force": _shown(units, FORCE),
+        "forces_known": until(replace(settings, scene=INSERTION) if inserts else settings),
+    }
+
+
+def _panel(panel: Mapping[str, str], units: Units | None) -> dict[str, Any]:
+    curves = [
+        {"name": name, "label": label or TRACK_VARIABLES[name].symbol}
+        for name, label in panel.items()
+    ]
+    return {"curves": curves, **_shown(units, TRACK_VARIABLES[next(iter(panel))].quantity)}
+
+
+def _held_words(held: Mapping[str, Sequence[str]]) -> str:
+    """Say what stays as it is while other values change."""
+    words = [
+        f"{name.replace('_', ' ')} (from {sources[0]})" for name, sources in held.items() if sources
+    ]
+    return f"Held at the file's press force: {', '.join(words)}." if words else ""
+
+
+# --- Parameters ---------------------------------------------------------------------------------
+
+
+def _range(
+    name: str, field: Field, values: Mapping[str, float | None], unit: float
+) -> tuple[float, float]:
+    """Return the range of a slider around a device's value."""
+    value = values[field.derived] if values[name] is None and field.derived else values[name]
+    assert value is not None  # noqa: S101 - derived parameters are derived from given ones
+    if name == "phase":
+        return 0.0, 2.0 * math.pi
+    if field.quantity is ANGLE:
+        return value - _SMALL_ANGLE, value + _SMALL_ANGLE
+    size = abs(value) or unit
+    if field.derived:
+        return value - size, value + size
+    return (0.0 if field.bound == ">= 0" or value == 0.0 else value / 5.0), 3.0 * size
+
+
+def described(
+    device: Parameters,
+    units: Units | None,
+    first: Sequence[str] = FIRST,
+    axes: Mapping[str, tuple[float, float]] = MappingProxyType({}),
+) -> list[dict[str, Any]]:
+    """Return descriptions of the parameters for the page, those in ``first`` at the top.
+
+    ``axes`` are the ranges of sliders, by name; others follow from the device.
+    """
+    values, rows = _values(units, device), []
+    for name in sorted(values, key=lambda each: (each in UNITS, each not in first)):
+        field = (FIELDS | UNITS)[name]  # type: ignore[operator]
+        letter, index = symbol_parts(field.symbol)
+        least, most = axes.get(name) or _range(name, field, values, scale(units, field.quantity))
+        rows.append(
+            {
+                "name": name,
+                "symbol": field.symbol,
+                "letter": letter,
+                "index": index,
+                "words": field.description.partition(";")[0],
+                "rule": field.rule,
+                "bound": field.bound,
+                "derived": field.derived or "",
+                "least": least,
+                "most": most,
+                "first": name in (*first, "amplitude"),
+                **_shown(units, field.quantity, values[field.derived or name] or 0.0),
+            }
+        )
+    return rows

@@ -1,0 +1,1 @@
+"""Drawings of runs, curves and maps, their style, and the device sheet."""

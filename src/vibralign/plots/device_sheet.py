@@ -1,0 +1,132 @@
+"""Device sheet: an HTML page with its pictures, which prints on two A4 pages."""
+
+import base64
+import io
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+from matplotlib.patches import Polygon, Rectangle
+
+from model.runs.simulate import Trajectory
+from vibralign.answers.si import display, quantity_of
+from vibralign.device import StatedDevice
+from vibralign.device.base import BASE
+from vibralign.device.stated import unit_of
+from vibralign.plots import style
+from vibralign.plots.history import trajectory
+from vibralign.plots.maps import stability_map
+from vibralign.plots.pose import resting_pose
+from vibralign.plots.templates import templates
+
+MODEL_LIMITS = (
+    "It is a model of one plane: a round part may also turn about the other axis.",
+    "Friction is dry, with one coefficient for rest and motion; springs and dampers are linear.",
+    "The base is a spring with a damper at the contact, and moves nowhere else.",
+    "A part is in at half of what the press reaches, or at --insertion-depth; deeper is unknown.",
+    "The robot holds still: no path error, no control of force.",
+)
+
+
+def render(
+    stated: StatedDevice,
+    verdict: tuple[str, bool],
+    groups: Mapping[str, Sequence[str]],
+    run: Trajectory,
+    map_data: xr.Dataset,
+    made_by: str,
+) -> str:
+    """Return the page; the same bytes for the same contents.
+
+    Args:
+        stated: the device.
+        verdict: the headline, and whether it is good.
+        groups: the assessment as printed: lines by title.
+        run: one run over time.
+        map_data: stability map of the device, in SI units.
+        made_by: the footer: file, changes of its values, version of the program.
+    """
+    with style.context():
+        pictures = {
+            "device": _picture(_drawing(stated)),
+            "map": _picture(_map(stated, map_data)),
+            "run": _picture(trajectory(run, stated.units)),
+        }
+    return (
+        templates(Path(__file__).parent)
+        .get_template("device_sheet.html.j2")
+        .render(
+            name=stated.source.stem,
+            verdict=verdict,
+            groups=groups,
+            made_by=made_by,
+            pictures=pictures,
+            quantities=_quantities(stated),
+            limits=MODEL_LIMITS,
+        )
+    )
+
+
+def _picture(figure: Figure) -> str:
+    """Return a figure as the address of an image: SVG, with letters as paths."""
+    with style.context(), mpl.rc_context({"svg.fonttype": "path"}):
+        file = io.BytesIO()
+        figure.savefig(file, format="svg", metadata={"Date": None, "Creator": None})
+    return "data:image/svg+xml;base64," + base64.b64encode(file.getvalue()).decode()
+
+
+def _quantities(stated: StatedDevice) -> list[tuple[str, str, str]]:
+    rows = []
+    base = {name: value for name, value in stated.quantities.items() if name in BASE}
+    for name, value in {**stated.resolved({}), **base}.items():
+        unit, one = display(value, quantity_of(name))
+        unit = unit or unit_of(name).replace("1", "")
+        tolerance = stated.tolerances.get(name)
+        spread = ""
+        if tolerance is not None:
+            sign = "±" if tolerance.kind == "uniform" else "σ"
+            spread = f"{sign} {tolerance.around(value) / one:.3g} {unit}".strip()
+        rows.append((name.replace("_", " "), f"{value / one:.4g} {unit}".strip(), spread))
+    return rows + ([("materials", stated.materials, "")] if stated.materials else [])
+
+
+def _drawing(stated: StatedDevice) -> Figure:
+    """Draw the part beside the hole at the start, to scale, with its tilt enlarged."""
+    device = stated.device
+    pose = resting_pose(device.parameters)
+    length = 1e3 * device.units.amplitude
+    corners = length * np.array(pose.corners())
+    edge = length * device.parameters.slot_half_width
+    width = length * device.parameters.half_width
+    depth = 1.2 * width
+    figure = style.new_figure(6.0 * style.CENTIMETRE, 8.5 * style.CENTIMETRE)
+    axes = figure.subplots()
+    look: Any = {"facecolor": "#DDDDDD", "edgecolor": style.BLACK, "linewidth": 0.8}
+    axes.add_patch(Rectangle((-edge - 1.5 * width, -depth), 1.5 * width, depth, **look))
+    axes.add_patch(Rectangle((edge, -depth), 1.5 * width, depth, **look))
+    axes.add_patch(Polygon(corners, closed=True, facecolor="#BFD9EA", edgecolor=style.BLUE))
+    axes.plot([0, 0], [-depth, corners[:, 1].max()], color=style.GREY, linestyle="-.", lw=0.6)
+    axes.set_aspect("equal")
+    axes.grid(visible=False)
+    axes.set_xlabel("mm")
+    axes.set_ylabel("mm")
+    axes.autoscale_view()
+    return figure
+
+
+def _map(stated: StatedDevice, dataset: xr.Dataset) -> Figure:
+    """Draw the map of the device, with a cross at the device and a box of its tolerances."""
+    figure = stability_map(dataset)
+    axes = figure.axes[0]
+    y, x = (str(name) for name in dataset["outcome"].dims)
+    own: Mapping[str, float] = {**stated.values, **stated.quantities}
+    tolerances = stated.tolerances
+    wide, high = (tolerances[n].around(own[n]) if n in tolerances else 0.0 for n in (x, y))
+    look: Any = {"fill": False, "edgecolor": style.VERMILLION, "linewidth": 1.5}
+    axes.add_patch(Rectangle((own[x] - wide, own[y] - high), 2 * wide, 2 * high, **look))
+    axes.plot(own[x], own[y], "P", color=style.VERMILLION, markersize=8)
+    return figure

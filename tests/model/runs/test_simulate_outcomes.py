@@ -1,0 +1,307 @@
+"""Ends of runs: each outcome and reason from a device made for it."""
+
+from math import pi
+
+import numpy as np
+import pytest
+
+from vibralign import (
+    PRINTED_CONTACTS,
+    SUSPENDED,
+    Batch,
+    Outcome,
+    Parameters,
+    Reason,
+    Scene,
+    Variants,
+    align,
+    simulate,
+)
+
+NO_SIDE = Scene("no side", frozenset({"edge_on_face", "corner_on_flat"}))
+
+
+def ended(run):
+    return run.outcome, run.reason
+
+
+# ------------------------------------------------------------------------------------------ aligned
+
+
+@pytest.mark.parametrize("tilt", [0.0, 0.001, 0.01])
+def test_a_part_over_the_slot_is_aligned_at_once(device, tilt):
+    # misalignment < clearance * half_width: the right corner is left of A1 at the start, since
+    # tilt moves it by no more than b tan φ = 0.041, against a gap of 0.047.
+    p = device.replace(misalignment=0.5 * device.clearance * device.half_width, initial_tilt=tilt)
+    run = simulate(p)
+    assert run.outcome is Outcome.ALIGNED
+    assert run.tau_align == 0.0
+
+
+def test_a_part_just_beside_the_slot_is_not(device):
+    p = device.replace(misalignment=1.001 * device.clearance * device.half_width)
+    run = simulate(p)
+    assert run.outcome is Outcome.ALIGNED
+    assert run.tau_align > 0.01
+
+
+def test_a_part_over_the_slot_tilted_the_other_way_has_to_fall_first(device):
+    # φ < 0: the left corner is up; it must come down before the part counts as aligned.
+    run = simulate(device.replace(misalignment=0.05, initial_tilt=-0.02))
+    assert run.outcome is Outcome.ALIGNED
+    assert run.tau_align > 0.0
+
+
+def test_without_asymmetry_in_force_and_tilt_the_edge_still_tilts_the_part(device):
+    # φ(0) = 0, relaxed springs: A1 presses right of the centre, and so turns the part.
+    run = simulate(device.replace(initial_tilt=0.0))
+    assert run.outcome is Outcome.ALIGNED
+    # Continuous in φ(0): at 1e-7 it is as good as zero (the time moves by about as much).
+    near = simulate(device.replace(initial_tilt=1e-7))
+    assert run.tau_align == pytest.approx(near.tau_align, abs=1e-4)
+
+
+# ------------------------------------------------------------------------------ settled and horizon
+
+PERIODIC = {"tilt_stiffness": 300.0, "friction": 0.3, "frequency": 1.0, "press_force": 2.0}
+
+
+def test_a_motion_that_repeats_itself_settles(device):
+    p = device.replace(**PERIODIC)
+    run = simulate(p)
+    assert run.outcome is Outcome.SETTLED
+    assert run.period >= 1
+    # It would not align however long one waits: ten times as long.
+    on = simulate(p, may_settle=False, horizon=10 * run.time[-1])
+    assert on.outcome is Outcome.HORIZON_REACHED
+    # And it does repeat itself, with the period it names.
+    period = run.period * 2 * pi / p.frequency
+
+    def before_the_end(back):
+        return [np.interp(on.time[-1] - back, on.time, column) for column in on.state.T]
+
+    assert before_the_end(period) == pytest.approx(
+        before_the_end(2 * period), abs=1e-4
+    )  # linear interpolation of the track
+
+
+def test_settled_runs_of_a_whole_map_do_not_align_later(device):
+    # Around the border of the aligning area, where settling too early would show.
+    grid = np.meshgrid(np.linspace(20.0, 320.0, 8), np.linspace(0.5, 3.0, 6))
+    batch = Batch.of(
+        device.replace(friction=0.3, frequency=1.0),
+        tilt_stiffness=grid[0].ravel(),
+        press_force=grid[1].ravel(),
+    )
+    early, late = align(batch), align(batch, may_settle=False)
+    settled = early.outcome == Outcome.SETTLED
+    assert settled.sum() >= 5
+    assert (early.outcome == Outcome.ALIGNED).sum() >= 5
+    assert set(late.outcome[settled]) == {Outcome.HORIZON_REACHED}
+    assert np.array_equal(early.tau_align, late.tau_align, equal_nan=True)
+
+
+def test_the_horizon_ends_a_run(device):
+    run = simulate(device, horizon=1.0)
+    assert ended(run) == (Outcome.HORIZON_REACHED, Reason.NONE)
+    assert run.time[-1] == 1.0
+    assert np.isnan(run.tau_align)
+    assert "raise the horizon" in run.remedy
+
+
+# ----------------------------------------------------------------------------------- left the scene
+
+
+def test_a_side_contact_that_is_not_declared_leaves_the_scene_when_the_edge_is_met(device):
+    p = device.replace(frequency=0.5)
+    full = simulate(p)
+    met = full.time[np.argmax(full.side_force > 0.0)]
+    run = simulate(p, scene=NO_SIDE)
+    assert ended(run) == (Outcome.LEFT_SCENE, Reason.UNDECLARED_CONTACT)
+    assert not run.side_force.any()
+    # The track's first sample with a force comes at most a quarter of a step after contact.
+    assert run.time[-1] <= met
+    assert run.time[-1] == pytest.approx(met, abs=0.05)
+    assert "declare" in run.remedy
+
+
+def test_a_corner_contact_that_is_not_declared_leaves_the_scene(device):
+    p = device.replace(press_force=0.5, frequency=1.7, tilt_stiffness=46.0, friction=0.05)
+    assert simulate(p).outcome is Outcome.ALIGNED
+    run = simulate(p, scene=PRINTED_CONTACTS)
+    assert ended(run) == (Outcome.LEFT_SCENE, Reason.UNDECLARED_CONTACT)
+    assert run.state[-1, 2] < 0.0  # tilted onto B1
+
+
+def test_a_pressed_part_has_no_contact_in_the_suspended_scene(device):
+    run = simulate(device, scene=SUSPENDED)
+    assert ended(run) == (Outcome.LEFT_SCENE, Reason.UNDECLARED_CONTACT)
+    assert run.contact_force_max == 0.0
+    assert run.time[-1] < 1e-6
+
+
+@pytest.mark.parametrize(
+    "readings", [Variants.consistent(), Variants.printed()], ids=["mended", "printed"]
+)
+def test_every_run_of_a_wide_cloud_ends_with_a_consistent_word(device, readings):
+    rng = np.random.default_rng(0)
+    n = 400
+    cloud = {
+        name: getattr(device, name) * np.exp(rng.uniform(-1.5, 1.5, n))
+        for name in ("half_height", "inertia", "tilt_stiffness", "press_force", "frequency")
+    }
+    cloud["initial_tilt"] = rng.uniform(-0.1, 0.3, n)
+    cloud["misalignment"] = rng.uniform(0.0, 1.0, n)
+    result = align(Batch.of(device, **cloud), horizon=60.0, readings=readings)
+    aligned = result.outcome == Outcome.ALIGNED
+    assert np.array_equal(np.isfinite(result.tau_align), aligned)
+    assert np.array_equal(np.isfinite(result.tilt_at_alignment), aligned)
+    explained = np.isin(result.outcome, [Outcome.LEFT_SCENE, Outcome.FAILED])
+    explained |= (result.outcome == Outcome.HORIZON_REACHED) & (result.reason == Reason.CHAOTIC)
+    assert np.array_equal(result.reason != Reason.NONE, explained)
+    assert np.array_equal(result.period > 0, result.outcome == Outcome.SETTLED)
+    assert np.isfinite(result.tilt_max).all()
+    assert (result.contact_force_max >= 0.0).all()
+    assert ((result.sticking_share >= 0.0) & (result.sticking_share <= 1.0)).all()
+    assert (result.tau_corners_inside[aligned] >= result.tau_align[aligned]).sum() > 20
+    assert len(set(result.outcome.tolist())) >= 4  # the cloud is wide
+    if readings == Variants.consistent():
+        failed = result.outcome == Outcome.FAILED
+        assert set(result.reason[failed]) <= {Reason.IMPOSSIBLE_START}
+        assert {Reason.MOVED_AWAY, Reason.OVERTURNED, Reason.EDGE_ON_OTHER_FACE} <= set(
+            result.reason
+        )
+
+
+# ------------------------------------------------------------------------------ reasons of the end
+
+
+@pytest.mark.parametrize(
+    ("changes", "outcome", "reason", "message", "remedy"),
+    [
+        ({"rest_x": 5.0, "lateral_stiffness": 2.0},
+         Outcome.LEFT_SCENE, Reason.MOVED_AWAY, "away from the slot", ""),
+        ({"tilt_stiffness": 0.0, "inertia": 15.0, "frequency": 1.0},
+         Outcome.LEFT_SCENE, Reason.OVERTURNED, "", ""),
+        ({"initial_tilt": 1.6}, Outcome.FAILED, Reason.IMPOSSIBLE_START, "", ""),
+        # s = (l - x)/cos φ - b tan φ < -a: A1 would be left of B2.
+        ({"initial_tilt": 0.5}, Outcome.FAILED, Reason.IMPOSSIBLE_START, "", ""),
+        ({"initial_tilt": 0.9}, Outcome.FAILED, Reason.IMPOSSIBLE_START, "", ""),
+        ({"max_evaluations": 500}, Outcome.FAILED, Reason.TOO_MANY_EVALUATIONS,
+         "limit of right-hand-side evaluations", "max_evaluations"),
+    ],
+)  # fmt: skip
+def test_a_run_says_why_it_ends_and_what_to_do(device, changes, outcome, reason, message, remedy):
+    settings = {name: changes[name] for name in changes if name == "max_evaluations"}
+    p = device.replace(**{name: changes[name] for name in changes if name not in settings})
+    run = simulate(p, **settings)
+    assert ended(run) == (outcome, reason)
+    assert message in run.message
+    assert remedy in run.remedy
+    assert np.isnan([run.tau_align, run.tau_error]).all()
+    if reason is Reason.MOVED_AWAY:
+        assert run.state[-1, 0] > device.misalignment
+    elif reason is Reason.OVERTURNED:
+        assert run.tilt_max == pytest.approx(pi / 2, abs=0.01)
+        assert abs(run.state[-1, 2]) == run.tilt_max
+    elif reason is Reason.IMPOSSIBLE_START:
+        assert len(run.time) == 1
+
+
+@pytest.mark.parametrize("changes", [{"press_force": 1e200}, {"press_force": -1e200}])
+def test_an_absurd_force_fails_and_does_not_return_nan_states(device, changes):
+    run = simulate(device.replace(**changes))
+    assert run.outcome in (Outcome.FAILED, Outcome.LEFT_SCENE)
+    assert run.reason is not Reason.NONE
+    assert np.isfinite(run.state).all()
+
+
+# ----------------------------------------------------------------------------------------- readings
+
+
+def test_printed_criterion_is_the_four_corner_conditions(device):
+    run = simulate(device, readings=Variants(alignment_criterion="printed"))
+    other = simulate(device)
+    assert run.outcome is Outcome.ALIGNED
+    assert run.tau_align == run.tau_corners_inside
+    # The same motion, another word for its end.
+    assert run.tau_align == pytest.approx(other.tau_corners_inside, abs=1e-9)
+
+
+@pytest.mark.parametrize("engine", ["batch", "scalar"])
+def test_a_run_may_end_at_alignment(device, engine):
+    whole = align([device], engine=engine)
+    part = align([device], engine=engine, alignment_only=True)
+    assert part.outcome[0] == Outcome.ALIGNED
+    assert part.tau_align[0] == whole.tau_align[0]
+    assert np.isfinite([whole.tilt_max[0], whole.contact_force_max[0]]).all()
+    assert np.isnan([part.tilt_max[0], part.contact_force_max[0]]).all()
+    assert np.isfinite(whole.tau_corners_inside[0])
+    assert np.isnan(part.tau_corners_inside[0])
+    assert part.rhs_evaluations[0] < whole.rhs_evaluations[0]
+
+
+def test_alignment_by_the_printed_criterion_is_that_of_all_corners(device):
+    printed = Variants(alignment_criterion="printed")
+    runs = align([device], readings=printed, alignment_only=True)
+    assert runs.tau_align[0] == runs.tau_corners_inside[0]
+
+
+def test_printed_sign_pushes_away_from_the_slot(device):
+    # The print's U1 belongs to the mirror image: without friction the tilted face pushes to +x.
+    p = device.replace(friction=0.0, initial_tilt=0.1, frequency=0.5)
+    mended = simulate(p, horizon=2.0)
+    printed = simulate(p, readings=Variants(normal_sign="printed"), horizon=2.0)
+    assert mended.state[-1, 0] < p.misalignment < printed.state[-1, 0]
+
+
+def test_printed_preload_raises_the_press_force_axis_by_the_half_height(device):
+    # -(y - 0) - f0 = -(y - b) - (f0 + b): the two readings are each other at shifted f0.
+    printed = simulate(device.replace(press_force=3.0 - device.half_height),
+                       readings=Variants(preload="printed"))  # fmt: skip
+    mended = simulate(device)
+    assert printed.outcome is mended.outcome
+    assert printed.tau_align == pytest.approx(mended.tau_align, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("name", "frequency"),
+    [
+        ("normal_sign", 10.0), ("friction_law", 10.0), ("contact_damping_law", 10.0),
+        ("preload", 10.0), ("moment_arms", 10.0),
+        ("side_gap", 0.5), ("side_force", 0.5),  # it meets the side
+    ],
+)  # fmt: skip
+def test_each_variant_changes_the_run(device, name, frequency):
+    p = device.replace(frequency=frequency)
+    mended = simulate(p, horizon=40.0)
+    printed = simulate(p, readings=Variants(**{name: "printed"}), horizon=40.0)
+    assert (printed.outcome, printed.tau_align) != (mended.outcome, mended.tau_align)
+
+
+def test_printed_criterion_keeps_the_horizon_after_the_contact_is_lost():
+    # This part loses the contact past the corner at τ = 2.86 and rocks from then on, never with all
+    # four corners inside: the run must last to its horizon, not for the time a fall may take.
+    p = Parameters(
+        half_width=1.3, half_height=1.7, inertia=19.0, lateral_stiffness=0.037, tilt_stiffness=24.0,
+        lateral_damping=0.63, axial_damping=0.21, tilt_damping=1.2, friction=0.44, press_force=12.0,
+        frequency=5.7, clearance=0.25, misalignment=0.95, initial_tilt=0.1, contact_stiffness=31.0,
+        contact_damping=2.8,
+    )  # fmt: skip
+    assert simulate(p, horizon=60.0).tau_align == pytest.approx(2.86, abs=0.01)
+    printed = simulate(p, readings=Variants(alignment_criterion="printed"), horizon=60.0)
+    assert printed.outcome is Outcome.HORIZON_REACHED
+    assert printed.time[-1] == 60.0
+
+
+@pytest.mark.parametrize(
+    ("press_force", "tilt_stiffness"),
+    [(0.984924623116, 26.2110552764), (1.37688442211, 18.7788944724)],
+)
+def test_an_edge_that_clips_the_corner_for_an_instant_is_met(device, press_force, tilt_stiffness):
+    # Two points of Fig. 13 where the falling part touches A1 within 1e-3 of its corner B1: the edge
+    # is inside the part for less than a sampled part of a step. Missed, B1 ran into the wall.
+    p = device.replace(
+        friction=0.15, frequency=10.0, press_force=press_force, tilt_stiffness=tilt_stiffness
+    )
+    assert simulate(p).outcome is Outcome.ALIGNED

@@ -1,0 +1,152 @@
+"""Results of a small study as the report takes them, and a parser of the page."""
+
+import base64
+import re
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from benchmarks.plans import PICTURES
+from benchmarks.report import SECTIONS
+from benchmarks.work_precision import table_of as settings_table
+from model.sweeps.io import write_dataset
+from model.sweeps.sweep import merge, run
+from study.claims import CLAIMS, VERDICTS, Tables, judge
+from study.claims.ledger import ledger_text, lines_of
+from study.evidence.worth import weighed
+from study.plans import sweep_of
+from study.report import page as report_page
+from study.report.section import Results
+from tests.vibralign.plots.drawn import jamming_data
+
+# The smallest picture there is: one transparent pixel.
+PIXEL = base64.b64decode(
+    "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNkYPhfDwAChwGA60e6kgAAAABJRU5ErkJggg=="
+)
+VOID = {"meta", "img", "br", "link", "input", "hr"}
+
+
+def render_report(results):
+    return report_page.render_report(results, SECTIONS)
+
+
+class Page(HTMLParser):
+    """Elements of a page, its words, those in sight, and whether every element was closed."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.elements: list[tuple[str, dict[str, str | None]]] = []
+        self.open: list[str] = []
+        self.words: list[str] = []
+        self.in_sight: list[str] = []
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag, attrs):
+        self.elements.append((tag, dict(attrs)))
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        if {"style", "script", "title"} & {*self.open}:
+            return
+        self.words += data.split()
+        if self.open.count("details") == self.open.count("summary"):
+            self.in_sight += data.split()
+
+    def all(self, tag: str) -> list[dict[str, str | None]]:
+        return [attributes for name, attributes in self.elements if name == tag]
+
+
+def article(text: str, name: str) -> str:
+    """The article on one figure, without tags and with single spaces."""
+    part = re.search(rf'<article aria-labelledby="{name}">.*?</article>', text, re.DOTALL)
+    assert part
+    return plain(part[0])
+
+
+def plain(html: str) -> str:
+    return re.sub(r"\s+", " ", re.sub(r"<[^>]*>", "", html)).replace("&#39;", "'")
+
+
+@pytest.fixture(scope="module")
+def study(small_study):
+    return small_study(points=10, cells=5)
+
+
+@pytest.fixture(scope="module")
+def datasets(study):
+    found = {}
+    for name, spec in study.figures.items():
+        if spec.kind != "schematic":
+            sweep = sweep_of(study, name)
+            found[name] = merge(sweep, spec.title, [run(sweep)])
+    return found
+
+
+def weighed_data() -> dict[str, xr.Dataset]:
+    """Verdicts on four random devices and two further draws, and under two assumptions.
+
+    The first device shows every claim, the second every other one; the third and fourth show none.
+    """
+    claims = [claim.id for claim in CLAIMS]
+    verdicts = np.full((6, len(claims)), VERDICTS.index("contradicted"), dtype=np.int8)
+    verdicts[0], verdicts[1, ::2] = 0, 0
+    of_draw = np.array([0, 0, 0, 0, 1, 1], dtype=np.int8)
+    shares = [(verdicts[of_draw == row] == 0).mean(axis=0) for row in range(2)]
+    over = {"claim": claims}
+    null = xr.Dataset(
+        {
+            "verdict": (("draw", "claim"), verdicts),
+            "share": (("kind", "claim"), np.array(shares)),
+            "title": ("kind", ["random devices", "random points"]),
+        },
+        {"kind": ["devices", "points"], "kind_of_draw": ("draw", of_draw), **over},
+        {"figure": "null"},
+    )
+    under = xr.Dataset(
+        {
+            "verdict": (("assumption", "claim"), verdicts[:2]),
+            "title": ("assumption", ["as here", "as there"]),
+        },
+        {"assumption": ["own", "other"], **over},
+        {"figure": "assumptions"},
+    )
+    return {"null": null, "assumptions": under}
+
+
+@pytest.fixture(scope="module")
+def lines(datasets):
+    return weighed(lines_of(judge(Tables.of(datasets))), weighed_data()["null"])
+
+
+@pytest.fixture(scope="module")
+def root(study, datasets, lines, timed_settings, tmp_path_factory):
+    root = tmp_path_factory.mktemp("results")
+    for name, dataset in datasets.items():
+        write_dataset(dataset, root / f"data/{name}.nc")
+    for name, dataset in {"jamming": jamming_data(), **weighed_data()}.items():
+        write_dataset(dataset, root / f"data/{name}.nc")
+    sweep = sweep_of(study, "fig13_round")
+    if_round = merge(sweep, study.spec_of("fig13_round").title, [run(sweep)])
+    write_dataset(if_round, root / "data/fig13_round.nc")
+    (root / "claims.csv").write_text(ledger_text(lines), encoding="utf-8")
+    for folder in ("benchmarks", "figures"):
+        (root / folder).mkdir()
+    measured = settings_table(timed_settings, times=True)
+    (root / "benchmarks/precision.csv").write_text(measured, encoding="utf-8")
+    drawn = "claims", "jamming", "fig13_vibration", "fig13_round"
+    places = [f"figures/{name}" for name in (*study.figures, *drawn)]
+    for place in (*places, *PICTURES.values()):
+        (root / f"{place}.png").write_bytes(PIXEL)
+    return root
+
+
+@pytest.fixture(scope="module")
+def rendered(study, root):
+    return render_report(Results(root, study))

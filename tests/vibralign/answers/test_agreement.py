@@ -1,0 +1,214 @@
+"""Commands that answer one question give one answer: random devices, asked in every way.
+
+Each device is a worked one with its quantities changed at random, as a file with tolerances. The
+questions are whether it goes in from every start, how fast it aligns from one start, and how many
+devices within its tolerances go in. The page's engine is run as the page runs it, as WebAssembly.
+"""
+
+import base64
+import gzip
+import json
+import math
+from dataclasses import replace
+from importlib.util import find_spec
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+import yaml
+
+from model.engine.results import RunResult
+from model.events.outcomes import Outcome
+from model.physics.quantities import FORCE
+from model.physics.units import device as device_of
+from model.runs import in_browser
+from model.runs.in_browser import Modules, interface
+from model.sweeps.starts import starts_of
+from study.config import load_study, study_path
+from tests.model.runs.browser import Browser
+from vibralign import INSERTION, Settings, Trajectory, load_device, reliable_at, simulate
+from vibralign.answers import yields
+from vibralign.answers.design import as_printed
+from vibralign.answers.design_trials import MEASURES, Trials
+from vibralign.answers.reliability import FORCES, run_devices
+from vibralign.answers.si import si_words
+from vibralign.commands import main as cli
+from vibralign.commands import sheet
+from vibralign.device import StatedDevice
+from vibralign.plots import device_sheet
+
+SQUARE = Path(__file__).resolve().parents[2] / "square"
+COUNT = 6
+VARIED = ("press_force", "frequency", "mass", "amplitude", "tilt_stiffness", "friction")
+HORIZON = 0.4  # s
+ROUGH = ["--tolerance", "1e-6", "--horizon", f"{HORIZON} s"]
+
+
+def written(folder: Path, number: int) -> Path:
+    """Write a random device; every third is pressed first, every second is round."""
+    rng = np.random.default_rng(4100 + number)
+    stated = load_device(SQUARE / "devices" / ("pin.yaml", "peg.yaml", "shaft.yaml")[number % 3])
+    quantities = dict(stated.quantities)
+    for name in VARIED:
+        quantities[name] = float(f"{quantities[name] * np.exp(rng.normal(0.0, 0.3)):.4g}")
+    lines: dict[str, object] = dict(quantities) | {"materials": stated.materials}
+    lines["shape"] = ("square", "round")[number % 2]
+    lines |= {"friction": f"{quantities['friction']} ± 10 %", "mass": f"{quantities['mass']} ± 5 %"}
+    lines |= {"press_force": f"{quantities['press_force']} ± 5 %"}
+    if number % 3 == 1:
+        lines["start"] = "pressed"
+    path = folder / f"device{number}.yaml"
+    path.write_text(yaml.safe_dump(lines, allow_unicode=True), encoding="utf-8")
+    return path
+
+
+def said(capsys: pytest.CaptureFixture[str], *arguments: str) -> dict:
+    capsys.readouterr()
+    assert cli.main([*arguments, *ROUGH, "--json"]) in (cli.DONE, cli.FAILED)
+    return json.loads(capsys.readouterr().out)
+
+
+@pytest.fixture
+def _no_advice(monkeypatch: pytest.MonkeyPatch, _no_leeways: None) -> None:
+    """Leave out what is not asked here: leeways, Sobol' indices, pictures.
+
+    Without wasmtime the page's engines are not run, nor made.
+    """
+    monkeypatch.setattr(yields, "sobol_indices_of", lambda *_, **__: ())
+    if not find_spec("wasmtime"):
+        monkeypatch.setattr(
+            in_browser, "modules", lambda shape: Modules(b"one", b"many", interface(shape=shape))
+        )
+    monkeypatch.setattr(sheet, "_COUNT", 3)
+    monkeypatch.setattr(device_sheet, "_picture", lambda _: "")
+
+
+@pytest.mark.usefixtures("_no_advice")
+def test_every_command_gives_the_same_answer(tmp_path, capsys):
+    verdicts = [agreed(written(tmp_path, n), tmp_path, capsys) for n in range(COUNT)]
+    assert {True, False} == set(verdicts)  # devices of both kinds were asked
+
+
+def agreed(path: Path, folder: Path, capsys: pytest.CaptureFixture[str]) -> bool:
+    """Ask all commands of one device, compare, and return whether it is reliable."""
+    file = ["--device", str(path)]
+    page, out = folder / "sheet.html", folder / "map.nc"
+    assessed = said(capsys, "assess", *file, "--devices", "16")
+    reliable = assessed["aligned"] == assessed["starts"]
+    assert assessed["verdict"].startswith("reliable" if reliable else "not reliable")
+    device = load_device(path)
+    own = {**device.values, **device.quantities}
+    settings = Settings(tolerance=1e-6, horizon=HORIZON / device.units.time, scene=INSERTION)
+
+    # Python: the same device, start, scene and verdict.
+    assert assessed["shape"] == device.shape
+    start = "pressed" if "start: pressed" in path.read_text() else None
+    assert device.start == start
+    assert reliable_at(device, settings, mass=[own["mass"]]).tolist() == [reliable]
+    run = simulate(device, settings)
+    told = said(capsys, "simulate", *file, "--scene", "insertion")
+    assert told["outcome"] == run.outcome.name.lower()
+    aligns = math.nan if told["tau_align"] is None else told["tau_align"]
+    assert aligns == pytest.approx(run.tau_align, nan_ok=True)
+    of_run = {place: getattr(run, name) for place, name in FORCES.items()}
+    newton = device.units.force
+    for place, name in FORCES.items():
+        assert told[name] == pytest.approx(of_run[place])
+        assert told["si"]["results"][name] == pytest.approx(of_run[place] * newton)
+    assert told["contact_force_max"] == max(of_run.values()) == run.contact_force_max
+    assert told["forces_known"] == "until inserted"
+    own_values = {"mass": np.array([own["mass"]])}
+    python = run_devices(device, own_values, starts_of_study(device), settings)
+    assert assessed["contact_force_max"] == pytest.approx(python.force[0], rel=1e-3)
+    assert assessed["contact_force_max"] >= 0.99 * run.contact_force_max * newton
+    for place, each in assessed["forces"].items():
+        assert each == pytest.approx(python.forces[place][0], rel=1e-3, abs=1e-9)
+    if reliable:
+        times = run.tau_align * device.units.time
+        assert assessed["tau_best"] * 0.999 <= times <= assessed["tau_worst"] * 1.001
+    if assessed["failing_start"]:
+        sets = [w for n, v in assessed["failing_start"].items() for w in ("--set", f"{n}={v!r}")]
+        failing = said(capsys, "simulate", *file, "--scene", "insertion", *sets)
+        assert failing["outcome"] != "inserted"
+
+    # A map with the device at its middle node; mass and amplitude are units of the device.
+    spans = {name: (0.8 * own[name], 1.2 * own[name]) for name in ("mass", "amplitude")}
+    axes = [word for side, (name, ends) in zip("xy", spans.items(), strict=True)
+            for word in (f"--{side}", name, *map(repr, ends))]  # fmt: skip
+    assert cli.main(["map", *file, *ROUGH, *axes, "--resolution", "3", "--out", str(out)]) == 0
+    least = load_device(path, {name: low for name, (low, _) in spans.items()})
+    with xr.open_dataset(out) as stored:
+        assert bool(stored["reliable"][1, 1]) is reliable
+        inserted = stored["outcome"].values[1, 1] == Outcome.INSERTED
+        assert inserted == (run.outcome == Outcome.INSERTED)
+        if inserted:
+            seconds = float(stored["tau_align"][1, 1])
+            assert seconds == pytest.approx(run.tau_align * device.units.time, rel=1e-4)
+        force = stored["contact_force_max"]
+        assert float(force[1, 1]) == pytest.approx(run.contact_force_max * newton, rel=0.01)
+        assert force.attrs["units"] == "N"
+        assert force.attrs["comment"] == "from the stated start, until inserted"
+        told, varying = json.loads(stored.attrs["assumptions"]), {"goal", "base", "horizon"}
+        for name, words in assessed["assumptions"].items():
+            assert told[name] == words or (name in varying and "corners of the map" in told[name])
+        at_least = reliable_at(least, replace(settings, horizon=HORIZON / least.units.time))
+        assert bool(stored["reliable"][0, 0]) is bool(at_least[0])
+
+    # The sheet, and the page that runs the device.
+    if start == "pressed":
+        assert cli.main(["assess", *file, *ROUGH, "--devices", "16", "--sheet", str(page)]) == 0
+        sheet_text = page.read_text(encoding="utf-8")
+        assert assessed["verdict"] in sheet_text
+        places = {place: si_words(each, FORCE) for place, each in assessed["forces"].items()}
+        listed = ", ".join(f"{place} {each}" for place, each in places.items())
+        assert f"{listed}, until inserted" in sheet_text
+    assert cli.main(["explore", *file, *ROUGH, "--scene", "insertion", "--out", str(page)]) == 0
+    text = page.read_text(encoding="utf-8")
+    for shown in on_page(text, device.shape):
+        for name in ("tau_align", *FORCES.values()):
+            expected = pytest.approx(getattr(run, name), rel=1e-6, nan_ok=True)
+            assert getattr(shown, name) == expected
+    assert '"forces_known": "until inserted"' in text or '"forces_known":"until inserted"' in text
+    for name in ("base", "start", "horizon"):
+        assert assessed["assumptions"][name] in text
+
+    # What a design says of a setting is what assess says of it.
+    setting = {name: own[name] for name in ("press_force", "frequency")}
+    assert setting == {name: as_printed(v, 0.0, math.inf) for name, v in setting.items()}
+    starts = starts_of_study(device)
+    free = {name: (0.5 * value, 2.0 * value) for name, value in setting.items()}
+    check = Trials(replace(device, free=free), starts, settings, devices=16).check(setting)
+    if check.devices == assessed["yield"]["devices"]:
+        assert check.forces == pytest.approx(assessed["yield"]["forces"], rel=1e-6)
+        assert check.row[2 + MEASURES.index("contact_force")] == max(check.forces.values())
+    assert check.going_in == assessed["yield"]["going_in"] or not reliable
+    assert (check.row[0] == 1.0) is (reliable and assessed["yield"]["share"] == 1.0)
+    return reliable
+
+
+def starts_of_study(device: StatedDevice) -> list[dict[str, float]]:
+    return starts_of(device.parameters, load_study(study_path()).maps.ensemble)
+
+
+def on_page(text: str, shape: str) -> list[Trajectory | RunResult]:
+    """Return the run of a page's device and settings: by Python, by the page's engine."""
+    model = json.loads(text.partition('id="model">')[2].partition("</script>")[0])
+    values = {name: v for name, v in model["baseline"].items() if v is not None}
+    control = model["control"]
+    settings = Settings(
+        tolerance=control["tolerance"],
+        horizon=control["horizon"],
+        start="pressed" if control["pressed"] else "simultaneous",
+        scene=INSERTION,
+        shape=model["interface"]["shape"],
+    )
+    assert settings.shape == shape
+    parameters = device_of(values).parameters
+    found: list[Trajectory | RunResult] = [simulate(parameters, settings)]
+    if find_spec("wasmtime"):
+        binary = gzip.decompress(base64.b64decode(model["modules"]["run_one"]))
+        given = np.array([[np.nan if v is None else v for v in parameters.given().values()]])
+        results, _ = Browser(binary, "run_one", model["interface"]).run(given, rows=0, **control)
+        found.append(RunResult(*results[0]))
+    return found

@@ -1,0 +1,294 @@
+"""Verdicts, bases and leeways of a device, against oracles and against runs of the model."""
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from model.sweeps.settings import Ensemble
+from model.sweeps.starts import every_start, starts_of
+from vibralign import Batch, Settings, simulate
+from vibralign.answers.assess import Assessment, BaseVerdict, assess, impact_speed
+from vibralign.answers.leeways import FINEST, STEP, STEPS, VARIED, a_step_inside, leeways, nearest
+from vibralign.answers.reliability import are_reliable, reliable_at, run_devices
+from vibralign.device import load_device
+from vibralign.device.batches import devices_of
+
+PEG = Path(__file__).resolve().parents[2] / "square" / "peg.yaml"
+ENSEMBLE = Ensemble(phases=3, tilts=[1.0, 3.0], every=1)
+COARSE = Settings(horizon=60.0, tolerance=1e-7)
+
+
+def oracle(device, **limits):
+    """A device reliable where each of ``limits`` (lowest, highest) holds, and the calls."""
+    calls = []
+
+    def is_reliable(swept):
+        calls.append(swept)
+        count = len(next(iter(swept.values())))
+        reliable = np.ones(count, dtype=bool)
+        for name, (low, high) in limits.items():
+            values = swept.get(name, np.full(count, getattr(device, name)))
+            reliable &= (low <= values) & (values <= high)
+        return reliable
+
+    return is_reliable, calls
+
+
+def test_a_leeway_ends_less_than_half_a_per_cent_before_a_failure(device):
+    device = device.replace(press_force=2.0, friction=0.1)
+    is_reliable, _ = oracle(device, press_force=(1.5, 2.9), friction=(0.0, 0.15))
+    found = {each.parameter: each for each in leeways(device, is_reliable)}
+    force, friction = found["press_force"], found["friction"]
+    assert FINEST < 0.005
+    assert force.low / (1.0 + FINEST) < 1.5 <= force.low
+    assert force.high <= 2.9 < force.high * (1.0 + FINEST)
+    assert (force.bounded_below, force.bounded_above) == (True, True)
+    assert friction.low == pytest.approx(0.1 * STEP**-STEPS)
+    assert friction.high <= 0.15 < friction.high * (1.0 + FINEST)
+    assert (friction.bounded_below, friction.bounded_above) == (False, True)
+
+
+def test_one_parameter_varies_at_a_time_in_four_batches(device):
+    is_reliable, calls = oracle(device, press_force=(0.99 * device.press_force, np.inf))
+    assert {each.parameter for each in leeways(device, is_reliable)} == set(VARIED)
+    for swept in calls:
+        off = sum(values != getattr(device, name) for name, values in swept.items())
+        assert (off == 1).all()
+    assert len(calls) == 4  # the steps, parts of one, parts of such a part, values about the end
+
+
+def test_steps_may_be_tried_roughly_and_an_end_never_is(device):
+    """The end of a range is the true one, although its rough trials are off by 5 %."""
+    device = device.replace(press_force=2.0)
+    roughly, steps = oracle(device, press_force=(0.0, 2.9 * 0.95))
+    is_reliable, parts = oracle(device, press_force=(0.0, 2.9))
+    found = leeways(device, is_reliable, roughly=roughly)
+    assert (len(steps), len(parts)) == (1, 5)  # ends, the scan that was wrong, parts, about the end
+    assert found == leeways(device, is_reliable)
+
+
+def test_an_end_moves_inwards_past_the_failures_of_a_ragged_border(device):
+    """Failing values between the own value and the end are found to some 3 %, near it to 0.4 %."""
+    device = device.replace(press_force=2.0)
+
+    def ragged(*holes):
+        def is_reliable(swept):
+            force = swept["press_force"]
+            fails = [(low <= force) & (force <= high) for low, high in holes]
+            return (force < 3.0) & ~np.logical_or.reduce(fails)
+
+        [found] = leeways(device, is_reliable, held=set(VARIED) - {"press_force"})
+        return found
+
+    clean = ragged()
+    assert (clean.ragged_above, clean.bounded_below) == (False, False)
+    assert clean.fails_above <= clean.high * (1.0 + FINEST)
+    near = ragged((2.94, 2.952))
+    assert near.ragged_above
+    assert near.high < 2.94 <= near.fails_above <= 2.952
+    far = ragged((2.94, 2.952), (2.3, 2.35))  # between two steps
+    assert far.high < 2.3 <= far.fails_above <= 2.35
+    own = ragged((2.94, 2.952), (2.001, 2.11))
+    assert (own.high, own.ragged_above) == (2.0, True)
+    again = ragged((3.0, 3.005), (3.01, np.inf))
+    assert not again.ragged_above  # all beyond fails
+
+
+def test_trials_stop_at_the_bound_of_a_parameter_and_zero_has_no_leeway(device):
+    most = device.half_width * (2.0 + device.clearance)
+    device = device.replace(misalignment=0.9 * most, friction=0.0)
+    found = {each.parameter: each for each in leeways(device, oracle(device)[0])}
+    assert found.keys() == set(VARIED) - {"friction"}
+    wide = found["misalignment"]
+    assert wide.high < most < wide.high * STEP
+    assert not wide.bounded_above
+
+
+def test_the_nearest_reliable_values_have_a_direction(device):
+    device = device.replace(press_force=2.0, tilt_stiffness=10.0)
+    [force] = nearest(device, oracle(device, press_force=(2.3, 5.0))[0])
+    assert (force.parameter, force.below) == ("press_force", None)
+    assert force.above / (1.0 + FINEST) < 2.3 <= force.above
+    [force] = nearest(device, oracle(device, press_force=(1.0, 1.7))[0])
+    assert force.below <= 1.7 < force.below * (1.0 + FINEST)
+    assert nearest(device, oracle(device, press_force=(100.0, 200.0))[0]) == ()
+
+
+@pytest.mark.parametrize(
+    ("reliable", "border", "advised"),
+    [((2.3, 5.0), 2.3, 2.437), ((1.0, 1.7), 1.7, 1.605), ((2.3, 2.4), 2.3, 2.3)],
+)
+def test_the_first_change_is_a_step_inside_where_that_is_reliable(
+    device, reliable, border, advised
+):
+    device = device.replace(press_force=2.0)
+    is_reliable, _ = oracle(device, press_force=reliable)
+    found = a_step_inside(device, is_reliable, {"press_force": border})
+    assert found == {"press_force": advised}
+    both = {"press_force": 3.0, "friction": 0.1}
+    assert a_step_inside(device, is_reliable, both) == both
+
+
+def test_the_model_is_reliable_up_to_a_leeway_and_not_beyond(device):
+    found = assess(device, COARSE, ENSEMBLE)
+    assert (found.reliable, found.starts, found.aligned) == (True, 6, 6)
+    starts = starts_of(device, ENSEMBLE)
+    bounded = [each for each in found.leeways if each.bounded_above]
+    assert bounded
+    for leeway in bounded:
+        values = {leeway.parameter: np.array([leeway.high, leeway.high * (1.0 + FINEST)])}
+        reliable = are_reliable(device, values, starts, COARSE)
+        assert reliable.tolist() == [True, False], leeway.parameter
+
+
+def test_an_unreliable_device_is_reliable_at_its_nearest_values(device):
+    device = device.replace(press_force=8.0, tilt_stiffness=4.0)
+    found = assess(device, COARSE, ENSEMBLE)
+    assert not found.reliable
+    assert found.leeways == ()
+    assert found.nearest
+    starts = starts_of(device, ENSEMBLE)
+    for each in found.nearest:
+        ends = [end for end in (each.below, each.above) if end is not None]
+        values = {each.parameter: np.array(ends)}
+        assert are_reliable(device, values, starts, COARSE).all(), each.parameter
+
+
+SHAFT = PEG.parent / "devices" / "shaft.yaml"
+SI = ["mass", "axial_stiffness", "amplitude", "lateral_stiffness", "inertia", "press_force"]
+
+
+def test_a_device_in_si_units_is_varied_in_all_of_them_as_set_does():
+    stated = load_device(SHAFT)
+    asked = []
+
+    def is_reliable(values):
+        asked.append(values)
+        return np.ones(len(next(iter(values.values()))), dtype=bool)
+
+    found = {each.parameter: each for each in leeways(stated, is_reliable)}
+    assert set(found) == {"mass", "axial_stiffness", "amplitude", *VARIED}
+    for name in SI:
+        assert found[name].value == stated.quantities[name]
+        assert found[name].high == pytest.approx(4.0 * stated.quantities[name])
+        assert found[name].low == pytest.approx(stated.quantities[name] / 4.0)
+    for values in asked:  # what follows from others, such as the base, follows still
+        some = {name: column[:40:7] for name, column in values.items()}
+        own = {**stated.values, **stated.quantities}
+        for i, parameters in enumerate(devices_of(stated, some)[0]):
+            changes = {n: v[i] for n, v in some.items() if v[i] != own[n]}
+            assert parameters == load_device(SHAFT, changes).parameters
+
+
+def test_the_nearest_amplitude_is_found_and_holds():
+    changes = {"amplitude": 0.5e-3, "contact_stiffness": 3e5}
+    stated = load_device(PEG, changes)
+    found = assess(stated, COARSE, ENSEMBLE)
+    [near] = [each for each in found.nearest if each.parameter == "amplitude"]
+    assert near.above is not None
+    starts = starts_of(stated.parameters, ENSEMBLE)
+    for amplitude, goes_in in ((near.above, True), (near.above / (1.0 + FINEST), False)):
+        changed = load_device(PEG, changes | {"amplitude": amplitude})
+        runs = every_start(Batch.stack([changed.parameters]), starts, COARSE)
+        assert runs["goes_in"].all() == goes_in
+
+
+def test_a_horizon_in_seconds_holds_for_devices_of_any_mass():
+    stated = load_device(PEG, {"contact_stiffness": 3e5, "tilt_stiffness": 0.3})
+    starts = starts_of(stated.parameters, ENSEMBLE)
+    masses = np.array([0.3, 0.15, 0.6])
+    times = run_devices(stated, {"mass": masses}, starts, COARSE).time
+    slowest = 0.5 * (np.sort(times)[1] + times.max())
+    held = replace(stated, horizon=slowest)
+    assert (run_devices(held, {"mass": masses}, starts, COARSE).goes_in == (times < slowest)).all()
+    own = {"friction": np.array([0.15])}
+    each = [replace(stated.changed(mass=mass), horizon=slowest) for mass in masses.tolist()]
+    alone = [are_reliable(one, own, starts, COARSE)[0] for one in each]
+    assert alone == (times < slowest).tolist()
+
+
+def verdict(stiffness, restitution=0.5, aligned=8, worst=3.0):
+    return BaseVerdict(stiffness, restitution, 8, aligned, 2.0, worst)
+
+
+def test_a_verdict_holds_on_every_base_or_depends_on_it():
+    def of(*bases, failing=None):
+        return Assessment(8, 8 if failing is None else 0, 2.0, 3.0, failing, bases=bases)
+
+    everywhere = of(verdict(1e2), verdict(1e4))
+    assert (everywhere.reliable, everywhere.depends_on_base) == (True, False)
+    somewhere = of(verdict(1e2), verdict(1e4, aligned=0))
+    assert (somewhere.reliable, somewhere.depends_on_base) == (False, True)
+    nowhere = of(verdict(1e2, aligned=0), failing={"phase": 0.0})
+    assert (nowhere.reliable, nowhere.depends_on_base) == (False, False)
+
+
+def test_the_rigid_limit_begins_where_nothing_changes_any_more():
+    bases = [verdict(1e2, worst=4.0), verdict(1e3, worst=3.04), verdict(1e4)]
+    assert Assessment(8, 8, 2.0, 3.0, None, bases=tuple(bases)).rigid_from == 1e3
+    bases += [verdict(1e2, 0.8), verdict(1e3, 0.8, aligned=7), verdict(1e4, 0.8)]
+    assert Assessment(8, 8, 2.0, 3.0, None, bases=tuple(bases)).rigid_from == 1e4
+
+
+def test_an_open_base_is_tried_up_to_that_of_steel_and_a_stated_one_is_not():
+    for changes, count in (({}, 9), ({"contact_stiffness": 3e5}, 0)):
+        stated = load_device(PEG, {"tilt_stiffness": 0.3, **changes})
+        found = assess(stated, COARSE, ENSEMBLE, vary=False)
+        assert len(found.bases) == count
+        assert found.reliable
+    found = load_device(PEG, {"contact_stiffness": 3e5, "contact_damping": 20.0})
+    bases = assess(found, COARSE, ENSEMBLE, bases=True, vary=False).bases
+    assert [each.restitution for each in bases] == [None] * 5
+
+
+def test_an_impact_speed_is_that_of_a_fall(device):
+    flying = device.replace(press_force=0.5, frequency=3.0, contact_stiffness=1e5)
+    run = simulate(flying, Settings(tolerance=1e-9, horizon=20.0))
+    assert run.separations > 0
+    landed = np.flatnonzero((run.contact_force[:-1] == 0.0) & (run.contact_force[1:] > 0.0))
+    # the depth d = b + r·e_n just before the touch-down falls to 0 at this rate
+    x, y, tilt = run.state[:, 0], run.state[:, 1], run.state[:, 2]
+    across = -(device.slot_half_width - x) * -np.sin(tilt) * -1.0 - y * np.cos(tilt)
+    depth = device.half_height + across
+    before = landed[landed > 0] - 1
+    rates = (depth[before + 1] - depth[before]) / (run.time[before + 1] - run.time[before])
+    assert impact_speed(run) == pytest.approx(rates.max(), rel=0.2)
+    assert impact_speed(simulate(device.replace(press_force=3.0), horizon=0.1)) == 0.0
+
+
+def test_reliable_forces_are_asked_in_si_units():
+    peg = load_device(PEG, {"tilt_stiffness": 0.3})
+    found = reliable_at(peg, COARSE, press_force=[10.0, 40.0])
+    assert found.tolist() == [True, False]
+    with pytest.raises(ValueError, match="Did you mean 'press_force'"):
+        reliable_at(peg, presforce=[1.0])
+    assert math.isclose(peg.units.force, 3.0)
+
+
+def test_python_keeps_the_start_of_the_file_and_asks_what_assess_asks(tmp_path):
+    path = tmp_path / "peg.yaml"
+    path.write_text(PEG.read_text(encoding="utf-8") + "start: pressed\n", encoding="utf-8")
+    pressed = load_device(path)
+    assert pressed.start == "pressed"
+    run = simulate(pressed, tolerance=1e-7)
+    assert run.tau_align == simulate(pressed.parameters, tolerance=1e-7, start="pressed").tau_align
+    other = simulate(pressed, tolerance=1e-7, start="simultaneous")
+    assert other.tau_align == simulate(load_device(PEG), tolerance=1e-7).tau_align
+    assert abs(other.tau_align - run.tau_align) > 1.0
+    # It aligns with more friction than it goes in with: the question is that of ``assess``.
+    stated = load_device(PEG, {"contact_stiffness": 3e5})
+    asked = []
+
+    def every(*arguments):
+        asked.append(arguments[2])
+        return every_start(*arguments)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("vibralign.answers.reliability.every_start", every)
+        reliable_at(pressed)
+        reliable_at(stated)
+    assert {each.scene.name for each in asked} == {"insertion"}
+    assert [*dict.fromkeys(each.start for each in asked)] == ["pressed", None]

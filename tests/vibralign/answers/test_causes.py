@@ -1,0 +1,68 @@
+"""Causes of failures in words: that they are true of the run, for both shapes."""
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from model.physics.geometry import crescent
+from model.physics.parameters import Batch, RoundConstants
+from model.physics.variants import Variants
+from model.runs.simulate import simulate_once
+from model.sweeps.settings import Ensemble
+from vibralign import INSERTION, Settings, load_device
+from vibralign.answers.assess import assess
+from vibralign.answers.causes import _lean, cause_of
+
+PEG = Path(__file__).resolve().parents[2] / "square" / "peg.yaml"
+STIFF = {"contact_stiffness": 4.8e6}
+SETTINGS = Settings(scene=INSERTION, tolerance=1e-7, horizon=60.0)
+
+
+def run_of(shape, **changes):
+    settings = replace(SETTINGS, shape=shape)
+    return simulate_once(load_device(PEG, STIFF | changes).parameters, settings)
+
+
+def test_a_part_that_hardly_slips_sticks_on_its_edge_or_on_the_rim():
+    square, round_one = run_of("square", friction=0.9), run_of("round", friction=0.4)
+    for run, shape, place in ((square, "square", "edge"), (round_one, "round", "rim")):
+        words = cause_of(run, shape).words
+        assert words.startswith(f"it hardly slips: it sticks on the {place} ")
+        assert "never slips" not in words
+        share = float(words.partition(f"the {place} ")[2].partition(" %")[0])
+        assert share == pytest.approx(100.0 * run.sticking_share, abs=0.06)
+    words = cause_of(square, "square").words
+    friction = math.degrees(math.atan(0.9))
+    assert f"against a friction angle of {friction:.2g}°" in words
+    assert f"tilted by at most {math.degrees(square.tilt_max):.2g}°" in words
+
+
+def test_the_angle_of_a_round_part_is_that_of_the_wedge():
+    run = run_of("round", friction=0.4)
+    found = _lean(run, "round")
+    row = Batch.stack([run.parameters]).constants(Variants.consistent())[0].tolist()
+    p = RoundConstants(*row)
+    x, y, tilt = run.state[run.state[:, 2].argmax(), :3].tolist()
+    s, c = math.sin(tilt), math.cos(tilt)
+    at = crescent(x, y, s, c, p)
+    lean = math.atan(at.rim_x * s / at.offset)  # (T2)
+    wedge = math.hypot(at.offset, p.slot_half_width * s) / math.hypot(at.offset, at.rim_x * s)
+    assert found.tilt == pytest.approx(run.tilt_max, rel=1e-3)
+    assert found.normal == pytest.approx(lean, rel=1e-9)
+    assert found.friction == pytest.approx(math.atan(0.4 * wedge), rel=1e-3)  # (T5)
+    assert found.normal > found.tilt  # near the hole, X > p
+    assert found.friction > math.atan(0.4)
+    assert found.normal < found.friction  # it sticks
+
+
+def test_what_is_to_change_first_cures_it_for_both_shapes():
+    for shape, friction in (("square", 0.3), ("round", 0.2)):
+        device = replace(load_device(PEG, STIFF | {"friction": friction}), stated_shape=shape)
+        few = Ensemble(phases=2, tilts=[1.0], every=1)
+        found = assess(device, SETTINGS, few)
+        assert found.cause
+        assert found.change
+        cured = assess(device.changed(**found.change), SETTINGS, few, vary=False)
+        assert cured.reliable

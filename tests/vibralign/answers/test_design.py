@@ -1,0 +1,284 @@
+"""Designs: settings tried by devices around them, and checked as assess does; a full grid."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from model.events.outcomes import Unvibrated
+from model.runs.unvibrated import UnvibratedEnds
+from vibralign import Settings
+from vibralign.answers import design as designs
+from vibralign.answers import design_trials, reliability
+from vibralign.answers.design import as_printed, search, tried_of, with_tolerances
+from vibralign.answers.design_changes import attempted, proposed
+from vibralign.answers.design_trials import FARTHEST, MEASURES, Runs, SpentError, Trials
+from vibralign.answers.reliability import DeviceResults
+from vibralign.device import load_device
+from vibralign.device.amounts import Tolerance
+
+PEG = Path(__file__).resolve().parents[2] / "square" / "peg.yaml"
+COARSE = Settings(horizon=60.0, tolerance=1e-6)
+STARTS = [{"phase": phase, "initial_tilt": 0.001} for phase in (0.0, 2.0, 4.0)]
+MEASURE = {name: 2 + place for place, name in enumerate(MEASURES)}  # in the results of a setting
+FREE = {"press_force": (4.0, 24.0), "tilt_stiffness": (0.1, 0.9)}
+
+
+def trials(limits=None):
+    stated = load_device(PEG, {"contact_stiffness": 3e5, "friction": "0.15 ± 0.05"})
+    return Trials(replace(stated, free=FREE, limits=limits or {}), STARTS, COARSE, devices=64)
+
+
+def tried(of: Trials, points):
+    return tried_of(points, of.quick(np.array(points)), FREE)
+
+
+def changes(of: Trials, best, known, *kinds):
+    """Changes of these kinds that were tried."""
+    every = [each for each in proposed(best, of.stated.tolerances) if each.kind in kinds]
+    return [attempted(of, best, known, each) for each in every]
+
+
+def relaxed(of, best, known):
+    return [each for each in changes(of, best, known, "relax") if each.better]
+
+
+def widened(of, best, known):
+    return changes(of, best, known, "limit", "upper end", "lower end")
+
+
+def oracle(monkeypatch, fails=lambda force, friction: friction >= 0.1 + force / 100.0):
+    """Devices go in below a friction of 0.1 + f0/100; time 1/f0, force 2 f0; the calls' sizes."""
+    calls = []
+
+    def run(_, values, *_settings):
+        force, friction = values["press_force"], values["friction"]
+        calls.append(force.size)
+        goes_in = ~fails(force, friction)
+        time = np.where(goes_in, 1.0 / force, np.nan)
+        nothing = np.where(goes_in, -1, 0)
+        inside = np.zeros(force.size, bool)
+        return DeviceResults(
+            values, goes_in, time, time[:, None], 2.0 * force, 0.1 * force, nothing,
+            {"edge": force, "side": 2.0 * force}, inside, time,
+        )  # fmt: skip
+
+    monkeypatch.setattr(design_trials, "run_devices", run)
+    monkeypatch.setattr(design_trials, "are_reliable", lambda _, v, *__: run(None, v).goes_in)
+    return calls
+
+
+def test_share_margin_and_measures_are_those_of_the_devices_around(monkeypatch):
+    oracle(monkeypatch)
+    found = tried(trials(), [[24.0, 0.5], [9.0, 0.5], [4.0, 0.5]])
+    # friction 0.15 ± 0.05: fails from 0.34, 0.19 and 0.14 on, 3.8, 0.8 and -0.2 tolerances off
+    assert found.margin[0] == FARTHEST
+    assert 0.7 <= found.margin[1] <= 1.0
+    assert found.share[0] == 1.0
+    assert found.share[1] == pytest.approx(0.9, abs=0.07)
+    assert found.margin[2] == 0.0
+    assert found.measures["time"] == pytest.approx(1.0 / np.array([24.0, 9.0, 4.0]))
+
+
+def test_a_margin_is_known_to_an_eighth_of_a_tolerance(monkeypatch):
+    oracle(monkeypatch)
+    one = trials()
+    friction = {"friction": one.stated.tolerances["friction"]}
+    one = replace(one, stated=replace(one.stated, tolerances=friction))
+    forces = np.array([[6.0, 0.5], [8.0, 0.5], [11.0, 0.5], [14.0, 0.5], [18.0, 0.5]])
+    exact = (0.1 + forces[:, 0] / 100.0 - 0.15) / 0.05
+    margin = tried(one, forces).margin
+    assert (margin >= exact).all()
+    assert (margin <= exact + 0.125).all()
+
+
+def test_vibration_may_be_asked_for_or_not(monkeypatch, tmp_path):
+    oracle(monkeypatch)
+
+    def controls(batch, *_):  # a dimensionless press force of 4 is one of 12 N
+        aligns = batch.values["press_force"] > 4.0
+        return UnvibratedEnds(np.where(aligns, Unvibrated.ALIGNS, Unvibrated.RESTS), None)
+
+    monkeypatch.setattr(reliability, "unvibrated", controls)
+    needed, not_needed = (
+        search(trials({"vibration": share, "contact_force": 40.0}), 8, 12)[0]
+        for share in (1.0, 0.0)
+    )
+    assert needed.feasible
+    assert not_needed.feasible
+    assert needed.setting["press_force"] < 12.0 < not_needed.setting["press_force"]
+    one = trials({"vibration": 0.0, "contact_force": 22.0})
+    none, known = search(one, 4, 12)
+    assert not none.feasible
+    assert {each.proposal.name for each in relaxed(one, none, known)} == {
+        "vibration",
+        "contact_force",
+    }
+    text = PEG.read_text() + "limits: {vibration: needed}\n"
+    (tmp_path / "peg.yaml").write_text(text)
+    assert load_device(tmp_path / "peg.yaml").limits == {"vibration": 1.0}
+    (tmp_path / "peg.yaml").write_text(text.replace("needed", "often"))
+    with pytest.raises(ValueError, match="vibration = 'often': must be needed or not needed"):
+        load_device(tmp_path / "peg.yaml")
+
+
+def test_the_best_setting_has_the_largest_margin_and_keeps_the_limits(monkeypatch):
+    oracle(monkeypatch)
+    one = trials({"contact_force": 40.0})
+    best, known = search(one, 8, 12)
+    assert best.feasible
+    assert best.setting["press_force"] == pytest.approx(20.0, abs=1.0)  # 2 f0 = 40
+    assert best.binding == ["limit of contact_force"]
+    assert (best.check.forces["side"], best.check.forces["edge"]) == pytest.approx(
+        (best.tried.measures["contact_force"][best.best], 0.5 * best.check.forces["side"])
+    )
+    assert relaxed(one, best, known) == []
+    [wider] = widened(one, best, known)  # 60 N: the press force may be 24 N, the end of its range
+    assert (*wider.proposal, wider.value) == ("limit", "contact_force", 60.0)
+    assert wider.better
+    assert wider.design.setting["press_force"] > 20.0
+    assert wider.design.check.devices == 64
+    times = best.tried.measures["time"][best.front]
+    assert (np.diff(times) > 0.0).all()
+    assert (np.diff(best.tried.margin[best.front]) > 0.0).all()
+
+
+def test_a_limit_that_none_keeps_is_named_with_what_it_would_take(monkeypatch):
+    oracle(monkeypatch)
+    one = trials({"time": 0.08, "contact_force": 22.0})
+    best, known = search(one, 8, 12)
+    assert not best.feasible
+    assert best.check.devices == 64  # its numbers are those of all devices
+    relaxes = {each.proposal.name: each for each in relaxed(one, best, known)}
+    # time <= 0.08 asks for f0 >= 12.5, and a force of 25
+    assert relaxes["contact_force"].value == pytest.approx(25.0, rel=0.1)
+    assert relaxes["time"].value == pytest.approx(1.0 / 11.0, rel=0.1)  # at f0 = 11
+    for name, each in relaxes.items():  # of this setting, as all devices have it
+        design = each.design
+        assert each.value == design.tried.measures[name][design.best]
+        assert each.value == one.check(design.setting, stop=False).row[MEASURE[name]]
+        assert design.check.devices == 64
+
+
+def test_changes_take_no_more_runs_than_they_may(monkeypatch):
+    sizes = oracle(monkeypatch)
+    one = trials({"contact_force": 40.0})
+    best, known = search(one, 8, 12)
+    assert one.runs.taken >= sum(sizes)  # devices, each from one start at least
+    [proposal] = proposed(best, one.stated.tolerances)
+    enough, short = (replace(one, runs=Runs(most)) for most in (one.runs.taken, 100))
+    assert attempted(enough, best, known, proposal).better
+    assert 100 < enough.runs.taken <= enough.runs.most
+    with pytest.raises(SpentError):
+        attempted(short, best, known, proposal)
+    assert short.runs.taken <= 100
+
+
+def test_the_limit_that_needs_least_is_relaxed_first(monkeypatch):
+    oracle(monkeypatch)
+    for limits in ({"time": 0.02, "contact_force": 22.0}, {"time": 0.08, "contact_force": 16.0}):
+        one = trials(limits)
+        best, known = search(one, 8, 12)
+        # time <= 0.02 asks for f0 >= 50, which the range has not; f0 = 11 takes 0.09
+        kinds = [each for each in proposed(best, one.stated.tolerances) if each.kind == "relax"]
+        needs = {
+            each.proposal.name: each.value / limits[each.proposal.name]
+            for each in changes(one, best, known, "relax")
+            if each.better
+        }
+        assert needs
+        assert [each.name for each in kinds][: len(needs)] == sorted(needs, key=needs.__getitem__)
+
+
+def test_a_range_that_binds_is_widened_and_tried(monkeypatch):
+    oracle(monkeypatch)
+    one = trials({"time": 0.2})
+    narrow = replace(one, stated=replace(one.stated, free={**FREE, "press_force": (4.0, 8.0)}))
+    best, known = search(narrow, 4, 12)
+    assert best.near_ends == [("press_force", "upper")]
+    [wider] = widened(narrow, best, known)
+    assert (*wider.proposal, wider.value) == ("upper end", "press_force", 10.0)
+    assert wider.better
+    assert wider.design.setting["press_force"] == 10.0
+    assert wider.design.tried.margin[wider.design.best] > best.tried.margin[best.best]
+
+
+def test_a_range_whose_widening_helps_nothing_says_so(monkeypatch):
+    oracle(monkeypatch, lambda force, friction: (force > 7.2) | (friction > 0.21))
+    one = trials()
+    narrow = replace(one, stated=replace(one.stated, free={**FREE, "press_force": (4.0, 7.0)}))
+    best, known = search(narrow, 4, 12)
+    assert best.near_ends == [("press_force", "upper")]
+    [wider] = widened(narrow, best, known)
+    assert not wider.better
+
+
+def test_the_tolerance_to_halve_is_the_one_that_makes_devices_fail(monkeypatch):
+    oracle(monkeypatch, lambda _, friction: friction > 0.18)
+    one = trials()
+    best, known = search(one, 1, 5)
+    assert 0.0 < best.tried.share[best.best] < 1.0
+    both = {**one.stated.tolerances, "misalignment": Tolerance("uniform", 0.1, relative=True)}
+    wide = replace(one, stated=replace(one.stated, tolerances=both))
+    halved = changes(wide, best, known, "tolerance")
+    assert {each.proposal.name for each in halved} == set(both)
+    assert [each.proposal.name for each in halved if each.better] == ["friction"]
+    assert widened(one, best, known) == []
+
+
+def test_a_setting_that_the_quick_trial_takes_and_assess_does_not_is_not_recommended(monkeypatch):
+    def fails(force, friction):  # between the quick trial's devices, above 10 N
+        return (force > 10.0) & (friction > 0.152) & (friction < 0.1545)
+
+    oracle(monkeypatch, fails)
+    one = trials({"contact_force": 40.0})
+    assert tried(one, [[20.0, 0.5], [9.0, 0.5]]).share.tolist() == [1.0, 1.0]
+    found, _ = search(one, 6, 12)
+    assert found.feasible
+    assert found.setting["press_force"] <= 10.0
+    assert (found.check.going_in, found.check.devices) == (64, 64)
+    assert found.interval == pytest.approx((0.9434, 1.0), abs=1e-4)  # 64 / (64 + 1.96²)
+    assert len(found.checks) > 1
+    for force in (12.0, 16.0, 20.0):
+        assert one.check({"press_force": force, "tilt_stiffness": 0.5}).row[0] < 1.0
+
+
+def test_times_are_expected_to_grow_as_at_the_nearest_check(monkeypatch):
+    """Of the devices, the quick trial misses the slowest; a limit of the time is kept by all."""
+    oracle(monkeypatch, lambda _, friction: friction > 9.0)
+    one = trials({"time": 0.1})
+    quick = Trials.quick
+
+    def optimistic(self, points):
+        return [(*row[:2], 0.7 * row[2], *row[3:]) for row in quick(self, points)]
+
+    monkeypatch.setattr(Trials, "quick", optimistic)
+    found, _ = search(one, 6, 12)
+    assert found.feasible
+    assert found.setting["press_force"] > 10.0  # the time is 1/f0, of the lightest press
+    assert len(found.checks) < 6
+
+
+def test_a_setting_is_tried_as_it_is_printed():
+    assert as_printed(13.2197, 4.0, 24.0) == 13.22
+    assert as_printed(4.00011, 4.0001, 24.0) == 4.001  # within the range
+    assert as_printed(23.99996, 4.0, 23.99997) == 23.99
+    assert f"{as_printed(0.123456, 0.1, 0.9):.4g}" == str(as_printed(0.123456, 0.1, 0.9))
+
+
+def test_a_device_without_tolerances_gets_ten_per_cent():
+    stated = replace(load_device(PEG), free=FREE)
+    assert set(with_tolerances(stated).tolerances) == set(designs.ASSUMED_OF)
+    with pytest.raises(ValueError, match="nothing is free"):
+        with_tolerances(load_device(PEG))
+
+
+def test_the_design_of_the_peg_is_not_beaten_by_a_full_grid():
+    limits = {"contact_force": 30.0, "time": 0.12}
+    best, _ = search(trials(limits), 6, 12)
+    assert best.feasible
+    force, tilt = np.meshgrid(np.linspace(4.0, 24.0, 9), np.linspace(0.1, 0.9, 9))
+    grid = tried(trials(limits), np.stack([force.ravel(), tilt.ravel()], axis=1))
+    assert grid.keeps(limits).any()
+    assert best.tried.score(limits)[best.best] <= grid.score(limits).min()

@@ -1,0 +1,149 @@
+"""Yields: distributions, Sobol' indices of a closed form, the nearest device that fails."""
+
+import shlex
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from vibralign import Settings
+from vibralign.answers import yields
+from vibralign.answers.yields import (
+    DeviceResults,
+    distribution,
+    drawn,
+    interval,
+    nearest_failing,
+    sobol_cubes,
+    sobol_indices,
+    yield_of,
+)
+from vibralign.commands import main as cli
+from vibralign.device import Tolerance, load_device
+
+PEG = Path(__file__).resolve().parents[2] / "square" / "peg.yaml"
+COARSE = Settings(horizon=60.0, tolerance=1e-6)
+STARTS = [{"phase": phase, "initial_tilt": 0.001} for phase in (0.0, 2.0, 4.0)]
+
+
+def peg(**tolerances):
+    quantities = load_device(PEG).quantities
+    texts = {name: f"{quantities[name]!r} {text}" for name, text in tolerances.items()}
+    return load_device(PEG, texts)
+
+
+def test_distributions_have_the_stated_width_and_keep_the_rule():
+    law = distribution("press_force", 10.0, Tolerance("uniform", 0.05, relative=True))
+    assert law.support() == pytest.approx((9.5, 10.5))
+    law = distribution("friction", 0.05, Tolerance("normal", 0.05))
+    assert law.support()[0] == pytest.approx(0.0, abs=1e-15)
+    assert law.mean() == pytest.approx(0.05 * (1.0 + 0.28760), abs=1e-5)  # φ(1)/Φ(1) = 0.28760
+    assert distribution("restitution", 0.9, Tolerance("uniform", 0.3)).support()[1] == 1.0
+
+
+def test_devices_are_drawn_within_their_tolerances():
+    values = drawn(peg(friction="± 0.05", press_force="σ 1"), 1024, seed=3)
+    assert values["friction"].mean() == pytest.approx(0.15, abs=1e-3)
+    assert np.ptp(values["friction"]) == pytest.approx(0.1, rel=0.01)
+    assert values["press_force"].std() == pytest.approx(1.0, rel=0.02)
+    again = drawn(peg(friction="± 0.05", press_force="σ 1"), 1024, seed=3)
+    assert all((values[name] == again[name]).all() for name in values)
+
+
+def test_sobol_indices_of_the_ishigami_function():
+    # T. Ishigami, T. Homma, 1990: sin x1 + 7 sin² x2 + 0.1 x3⁴ sin x1 on (-π, π)³
+    x1, x2, x3 = np.moveaxis(np.pi * (2.0 * sobol_cubes(3, 4096, seed=1) - 1.0), -1, 0)
+    found = sobol_indices(np.sin(x1) + 7.0 * np.sin(x2) ** 2 + 0.1 * x3**4 * np.sin(x1))
+    first, total = found[..., 0]
+    a, b = 7.0, 0.1
+    alone = 0.5 * (1.0 + b * np.pi**4 / 5.0) ** 2, a**2 / 8.0, 0.0
+    mixed = b**2 * np.pi**8 * (1.0 / 18.0 - 1.0 / 50.0)
+    variance = sum(alone) + mixed
+    assert first == pytest.approx(np.array(alone) / variance, abs=0.02)
+    shares = np.array([alone[0] + mixed, alone[1], mixed]) / variance
+    assert total == pytest.approx(shares, abs=0.02)
+    exact = np.array([np.array(alone) / variance, shares])
+    inside = (found[..., 1] <= exact + 1e-3) & (exact - 1e-3 <= found[..., 2])
+    assert inside.sum() >= 5  # of six intervals of 95 %
+    assert (found[..., 2] - found[..., 1] < 0.1).all()
+    assert np.isnan(sobol_indices(np.ones((5, 8)))).all()
+    assert sobol_indices(np.arange(24.0).reshape(3, 8))[..., 0].tolist() == [[1.0], [1.0]]
+
+
+def test_the_interval_of_a_share_is_wilsons():
+    low, high = interval(90, 100)
+    assert (low, high) == pytest.approx((0.8256, 0.9448), abs=1e-4)  # E. B. Wilson, 1927
+    assert interval(64, 64)[1] == 1.0
+
+
+def oracle(monkeypatch, fails):
+    def run(_, values, *_settings):
+        count = len(next(iter(values.values())))
+        bad = fails(values)
+        times = np.where(bad, np.nan, 0.1 + np.arange(count))
+        failing, inside = np.where(bad, 1, -1), np.zeros(count, bool)
+        return DeviceResults(
+            values, ~bad, times, times[:, None], times, times, failing, {}, inside, times
+        )
+
+    monkeypatch.setattr(yields, "run_devices", run)
+
+
+def test_the_quantity_that_fails_is_to_blame(monkeypatch):
+    stated = peg(friction="± 0.05", press_force="± 1", misalignment="± 10 %")
+    oracle(
+        monkeypatch, lambda v: (v["friction"] - 0.15) / 0.05 + 0.2 * (v["press_force"] - 10) > 0.8
+    )
+    found, _ = yield_of(stated, STARTS, COARSE, devices=512)
+    assert found.low < 0.9 < found.high  # of u + 0.2 v > 0.8 on (-1, 1)²: a tenth
+    assert found.sobol_indices[0].quantity == "friction"
+    assert found.sobol_indices[0].failure_total > 0.8
+
+
+def test_the_nearest_device_that_fails_is_by_its_largest_deviation_in_tolerances():
+    stated = peg(friction="± 0.05", press_force="σ 1")
+    # In tolerances: (0.2, 0.1) goes in; (0.8, 0.1), (0.4, 0.6) and (0.1, 1.2) do not.
+    values = {
+        "friction": np.array([0.16, 0.19, 0.17, 0.145]),
+        "press_force": np.array([10.3, 9.7, 11.8, 13.6]),
+    }
+    goes_in, none = np.array([True, False, False, False]), np.zeros(4)
+    failing = np.array([-1, 0, 2, 1])
+    inside = np.zeros(4, bool)
+    known = DeviceResults(
+        values, goes_in, none, none[:, None], none, none, failing, {}, inside, none
+    )
+    found = nearest_failing(stated, known, STARTS)
+    assert found.quantities == {"friction": 0.17, "press_force": 11.8}
+    assert found.distance == pytest.approx(0.6)
+    assert found.start == STARTS[2]
+
+
+def test_no_device_is_named_where_nothing_fails(monkeypatch):
+    stated = peg(friction="± 0.05")
+    oracle(monkeypatch, lambda v: v["friction"] > 1.0)
+    found, known = yield_of(stated, STARTS, COARSE, devices=16)
+    assert (found.share, found.high) == (1.0, 1.0)
+    assert np.isnan(found.sobol_indices[0].failure)
+    assert nearest_failing(stated, known, STARTS) is None
+
+
+@pytest.mark.usefixtures("_no_leeways")
+def test_the_nearest_failing_device_of_the_peg_fails_when_its_command_is_run(capsys):
+    device = ["--device", str(PEG)]
+    device += ["--set", "friction=0.15 ± 0.08", "--set", "contact_stiffness=3e5"]
+    rough = ["--horizon", "600 ms", "--tolerance", "1e-6"]
+    assert cli.main(["assess", *device, *rough, "--devices", "16"]) == cli.DONE
+    lines = capsys.readouterr().out.splitlines()
+    place = next(i for i, line in enumerate(lines) if line.startswith("fails nearest"))
+    assert "% of the tolerances" in lines[place]
+    command = shlex.split(lines[place + 1])
+    assert cli.main([*command[1:], *rough]) == cli.DONE
+    assert "does not align" in capsys.readouterr().out
+
+
+def test_a_yield_needs_tolerances_and_a_power_of_two():
+    with pytest.raises(ValueError, match="no quantity has a tolerance"):
+        yield_of(load_device(PEG), STARTS, COARSE)
+    with pytest.raises(ValueError, match="must be a power of two"):
+        yield_of(peg(friction="± 0.05"), STARTS, COARSE, devices=100)

@@ -1,0 +1,274 @@
+"""``vibralign design``: output, files and refusals."""
+
+import json
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+import xarray as xr
+
+import vibralign
+from model.sweeps.settings import Ensemble
+from vibralign import INSERTION, Settings, load_device
+from vibralign.answers import design_changes, design_trials
+from vibralign.answers.cases import cases_of
+from vibralign.answers.design import GENERATIONS, POPULATION
+from vibralign.answers.reliability import run_devices
+from vibralign.answers.yields import DEVICES, drawn
+from vibralign.commands import main as cli
+
+PEG = Path(__file__).parents[2] / "square" / "peg.yaml"
+QUICK = ["--generations", "1", "--population", "5", "--devices", "64"]
+BASE = ["--horizon", "600 ms", "--set", "contact_stiffness=300 kN/m"]
+
+
+@pytest.fixture
+def peg(tmp_path, monkeypatch):
+    monkeypatch.setattr(design_trials, "POINTS", 4)  # devices and lines of the quick trial
+
+    def write(limits, friction="0.15"):
+        path = tmp_path / "peg.yaml"
+        more = f"free: {{tilt_stiffness: 0.2 to 0.4 N m/rad}}\nlimits: {{{limits}}}\n"
+        text = PEG.read_text(encoding="utf-8").replace("friction: 0.15", f"friction: {friction}")
+        text = text.replace("tilt_stiffness: 0.5", "tilt_stiffness: 1.2")  # does not go in
+        path.write_text(text + more, encoding="utf-8")
+        return str(path)
+
+    return write
+
+
+def test_a_design_is_recommended_and_kept(capsys, peg, tmp_path):
+    out, plot = tmp_path / "design.nc", tmp_path / "front.png"
+    given = ["design", "--device", peg("contact_force: 60 N"), *QUICK, *BASE, "--out", str(out)]
+    assert cli.main([*given, "--plot", str(plot)]) == cli.DONE
+    said = capsys.readouterr().out
+    assert said.startswith("recommended            tilt_stiffness = 0.")
+    assert "largest contact_force" in said
+    assert re.search(r"  of the force +edge [\d.]+ N, corner .*, until inserted\n", said)
+    words = "reliable at the stated values; yield 100 % (94.34 % to 100 %, 95 % confidence)"
+    assert f"verdict                {words} under the tolerances\n" in said  # 64 / (64 + 1.96²)
+    assert re.search(r"largest time +[\d.]+ m?s until alignment\n", said)
+    assert (
+        "  tolerances  none stated, so assumed: press_force ± 10 %, tilt_stiffness ± 10 %" in said
+    )
+    assert plot.stat().st_size > 10_000
+    with xr.open_dataset(out) as dataset:
+        assert dataset.attrs["free"] == "tilt_stiffness"
+        assert "so assumed: press_force" in json.loads(dataset.attrs["assumptions"])["tolerances"]
+        assert int(dataset["devices"][dataset.attrs["recommended"]]) == 64
+        assert dataset.attrs["yield_interval"].tolist() == pytest.approx([0.9434, 1.0], abs=1e-4)
+        assert dataset.attrs["yield_confidence"] == 0.95
+        assert dataset["time"].attrs["long_name"].endswith("of the runs that go in")
+        assert set(dataset["front"].values.tolist()) <= {0, 1}
+        tried = dataset.sizes["candidate"]
+    assert cli.main([*given, "--json"]) == cli.DONE
+    record = json.loads(capsys.readouterr().out)
+    assert (record["tried"], record["feasible"]) == (tried, True)
+
+
+def test_python_has_the_design_of_the_command(capsys, peg):
+    """The recommended setting and its numbers; the defaults of the search are the same, too."""
+    path = peg("contact_force: 60 N", friction="0.15 ± 0.03")
+    assert cli.main(["design", "--device", path, *QUICK, *BASE, "--json"]) == cli.DONE
+    said = json.loads(capsys.readouterr().out)
+    device = replace(load_device(path, {"contact_stiffness": "300 kN/m"}), horizon=0.6)
+    found = vibralign.design(device, generations=1, population=5, devices=64)
+    assert isinstance(found, vibralign.Design)
+    assert (found.setting, found.feasible) == (said["setting"], said["feasible"])
+    assert found.check.forces == said["forces"]
+    assert [*found.interval] == said["yield_interval"]
+    shown = found._shown()
+    for name in ("margin", "time", "contact_force", "tilt", "devices"):
+        assert shown[name] == said[name]
+    [(name, value)] = found.setting.items()
+    assert repr(found) == f"<Design: recommended {name} = {value:.4g} N m/rad>"
+    assert f"<tr><th>{name}</th><td>{value:.7g}</td></tr>" in found._repr_html_()
+    parser = cli.parser().parse_args(["design", "--device", path])
+    assert (int(parser.generations), int(parser.population)) == (GENERATIONS, POPULATION)
+    assert int(parser.devices) == DEVICES
+    with pytest.raises(TypeError, match="needs a device of a file"):
+        vibralign.design(vibralign.baseline())
+    with pytest.raises(ValueError, match=r"devices = 3: .* power of two"):
+        vibralign.design(path, devices=3)
+    with pytest.raises(ValueError, match="nothing is free"):
+        vibralign.design(PEG)
+
+
+@pytest.mark.usefixtures("_no_leeways")
+def test_assess_says_of_the_recommended_setting_what_design_says(capsys, peg):
+    device = peg("time: 0.2 s, contact_force: 60 N", friction="0.15 ± 0.03")
+    assert cli.main(["design", "--device", device, *QUICK, *BASE, "--json"]) == cli.DONE
+    designed = json.loads(capsys.readouterr().out)
+    [(name, value)] = designed["setting"].items()
+    assert value == float(f"{value:.4g}")  # as it is printed
+    given = ["--devices", "64", "--json", *BASE, "--set", f"{name}={value!r}"]
+    assert cli.main(["assess", "--device", device, *given]) == cli.DONE
+    assessed = json.loads(capsys.readouterr().out)
+    assert designed["verdict"] == assessed["verdict"]
+    assert designed["yield_interval"] == [assessed["yield"]["low"], assessed["yield"]["high"]]
+    assert designed["yield_confidence"] == assessed["yield"]["confidence"] == 0.95
+    assert designed["forces"] == assessed["yield"]["forces"]
+    # As the runs of Python have it: no place is pressed by more than the limit.
+    stated = load_device(device, {"contact_stiffness": 3e5, name: value})
+    settings = Settings(scene=INSERTION, tolerance=1e-6, horizon=0.6 / stated.units.time)
+    runs = run_devices(stated, drawn(stated, 64), cases_of(stated, Ensemble()), settings)
+    assert designed["contact_force"] == runs.force.max() <= 60.0
+    assert designed["forces"] == {place: each.max() for place, each in runs.forces.items()}
+
+
+def test_limits_that_cannot_be_kept_exit_with_1(capsys, peg):
+    assert cli.main(["design", "--device", peg("contact_force: 8 N"), *QUICK, *BASE]) == cli.FAILED
+    said = capsys.readouterr().out
+    assert said.startswith("no setting of those tried keeps the limits")
+    assert "what to relax          contact_force from 8 N to " in said
+    relax = next(line for line in said.splitlines() if line.startswith("what to relax"))
+    value = re.search(r"to ([\d.]+ N) ", relax)[1]
+    assert f", contact_force {value}, " in relax  # the number of that setting
+    assert relax.endswith("(tried)")
+
+
+def test_tolerances_that_are_too_wide_are_named(capsys, peg):
+    device = peg("time: 0.6 s", friction="0.3 ± 0.29")
+    assert cli.main(["design", "--device", device, *QUICK, *BASE]) == cli.FAILED
+    said = capsys.readouterr().out
+    assert said.startswith(
+        "no setting of those tried goes in with all devices within the tolerances"
+    )
+    assert re.search(
+        r"largest time .* until alignment, of the runs that go in \(limit 600 ms", said
+    )
+    assert "the tolerances" in next(x for x in said.splitlines() if x.startswith("what binds"))
+    nearest = re.search(
+        r"nearest to it +tilt_stiffness = .*: (\d+) of 64 drawn devices go in", said
+    )
+    assert f"yield {100.0 * int(nearest[1]) / 64:.4g} % (" in said
+    words = (
+        "what to relax          time: not enough alone; without it none goes in and keeps the rest"
+    )
+    assert f"{words} (tried)\n" in said
+    words = "(half the tolerance of friction: margin|friction: not enough alone; with half of it)"
+    assert re.search(f"what to narrow +{words}", said)
+
+
+def test_the_nearest_setting_names_the_limits_that_it_passes(capsys, peg):
+    device = peg("time: 60 ms", friction="0.3 ± 0.29")
+    assert cli.main(["design", "--device", device, *QUICK, *BASE]) == cli.FAILED
+    said = capsys.readouterr().out
+    words = "goes in and keeps the limits with all devices within the tolerances"
+    assert said.startswith(f"no setting of those tried {words}\nnearest to it ")
+    nearest = re.search(
+        r"(\d+) of 64 drawn devices go in; its largest time (.*) exceeds the limit of 60 ms "
+        r"\((?:\+[\d.e+]+ %|[\d.]+ times as much)\)\n",
+        said,
+    )
+    assert f"largest time           {nearest[2]} until alignment" in said
+    binds = next(line for line in said.splitlines() if line.startswith("what binds"))
+    assert "limit of time (passed)" in binds
+    assert binds.endswith("the tolerances: some devices fail")
+    assert not re.search("what to relax +time from", said)
+
+
+def test_an_interrupt_of_the_changes_keeps_the_result(capsys, peg, tmp_path, monkeypatch):
+    out, attempted = tmp_path / "design.nc", design_changes.attempted
+    given = ["design", "--device", peg("contact_force: 8 N, time: 0.5 s"), *QUICK, *BASE]
+    seen = []
+
+    def interrupted(trials, design, known, proposal):
+        seen.append((proposal, capsys.readouterr().out, out.exists()))
+        if len(seen) == 2:
+            raise KeyboardInterrupt
+        return attempted(trials, design, known, proposal)
+
+    monkeypatch.setattr(design_changes, "attempted", interrupted)
+    assert cli.main([*given, "--out", str(out)]) == cli.FAILED
+    (first, before, written), (second, between, _) = seen
+    assert before.startswith("no setting of those tried keeps the limits\nnearest to it ")
+    assert "\nverdict " in before
+    assert written
+    assert first == ("relax", "contact_force")
+    assert "what to relax          contact_force from 8 N to " in between
+    last = capsys.readouterr().out.splitlines()[-1]
+    assert last.startswith(f"not tried              no limit of {second.name}")
+    assert last.endswith("(interrupted; all else is complete)")
+
+
+def test_changes_end_with_as_many_runs_as_the_search_took(capsys, peg, monkeypatch):
+    monkeypatch.setattr(design_trials.Runs, "taken", property(lambda _: 5, lambda *_: None))
+    given = ["design", "--device", peg("contact_force: 8 N"), *QUICK, *BASE]
+    assert cli.main(given) == cli.FAILED
+    words = "not tried              no limit of contact_force"
+    assert words in capsys.readouterr().out.splitlines()[-1]
+    assert cli.main([*given, "--json"]) == cli.FAILED
+    record = json.loads(capsys.readouterr().out)
+    assert record["not_tried"][0] == "no limit of contact_force"
+    assert record["passed"] == ["contact_force"]
+
+
+def test_a_device_that_goes_in_nowhere_is_told_the_cause_and_that_no_range_helps(
+    capsys, peg, request
+):
+    device = peg("time: 0.5 s", friction="0.9 ± 0.1")
+    assert cli.main(["design", "--device", device, *QUICK, *BASE]) == cli.FAILED
+    said = capsys.readouterr().out
+    assert "cause                  it hardly slips: it sticks on the edge " in said
+    words = "not reliable at the stated values; no others within the tolerances were tried"
+    assert f"verdict                {words}\n" in said
+    change = re.search(
+        r"first to change +(\w+) = ([\d.]+).*: with it, it is reliable \(tried\)", said
+    )
+    setting = re.search(r"nearest to it +tilt_stiffness = ([\d.]+) ", said)[1]
+    sets = [f"tilt_stiffness={setting}", f"{change[1]}={change[2]}"]  # friction has no unit
+    assert change[1] == "friction"
+    given = [word for each in sets for word in ("--set", each)]
+    request.getfixturevalue("_no_leeways")  # the verdict alone is asked for
+    assert cli.main(["assess", "--device", device, *BASE, *given, "--devices", "2"]) == cli.DONE
+    assert "\nverdict         reliable at the stated values" in capsys.readouterr().out
+    assert re.search("what binds .*the device itself: as stated it does not go in\n", said)
+    assert "what to widen          tilt_stiffness up to 0.5 N m/rad: no better (tried)" in said
+    assert "what to widen          tilt_stiffness down to 0.1 N m/rad: no better (tried)" in said
+    assert "what to relax          time: not enough alone; " in said
+
+
+def test_the_verdict_on_the_nearest_setting_says_by_how_much_it_exceeds_a_limit(capsys, peg):
+    assert cli.main(["design", "--device", peg("contact_force: 8 N"), *QUICK, *BASE]) == cli.FAILED
+    lines = capsys.readouterr().out.splitlines()
+    words = r", but its largest contact_force ([\d.]+) N exceeds the limit of 8 N \((.*)\)$"
+    [verdict] = [line for line in lines if line.startswith("verdict")]
+    force, more = re.search(words, verdict).groups()
+    ratio = float(force) / 8.0
+    assert ratio > 1.0
+    said = f"{100.0 * (ratio - 1.0):+.2g} %" if ratio < 2.0 else f"{ratio:.3g} times as much"
+    assert more == said
+    assert words_of_python(peg("contact_force: 8 N")).endswith("; exceeds contact_force>")
+
+
+def words_of_python(path):
+    device = replace(load_device(path, {"contact_stiffness": "300 kN/m"}), horizon=0.6)
+    return repr(vibralign.design(device, generations=1, population=5, devices=64))
+
+
+def test_an_interrupt_of_the_search_prints_the_best_so_far(capsys, peg, tmp_path, monkeypatch):
+    out, quick, calls = tmp_path / "design.nc", design_trials.Trials.quick, []
+
+    def interrupted(self, points):
+        calls.append(points)
+        if len(calls) == 2:
+            raise KeyboardInterrupt
+        return quick(self, points)
+
+    monkeypatch.setattr(design_trials.Trials, "quick", interrupted)
+    given = ["design", "--device", peg("contact_force: 60 N"), *QUICK, *BASE, "--out", str(out)]
+    assert cli.main(given) == cli.INTERRUPTED
+    printed, told = capsys.readouterr()
+    assert printed == ""
+    assert not out.exists()
+    best = re.search(
+        r"best of 5 settings so far, .*: tilt_stiffness = (\S+) N m/rad; by them it", told
+    )
+    command = f"vibralign assess --device {given[2]} --set 'contact_stiffness=300 kN/m' "
+    assert f"Check it: {command}--set tilt_stiffness={best[1]}\n" in told
+    assert told.endswith("vibralign: interrupted\n")
+    calls[:] = [None]
+    assert cli.main(given) == cli.INTERRUPTED
+    assert "no setting was tried yet" in capsys.readouterr().err

@@ -1,0 +1,53 @@
+"""``vibralign explore`` and ``simulate --animate``: their files."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from model.runs import in_browser
+from model.runs.in_browser import Modules, interface
+from vibralign.commands import main as cli
+
+PEG = str(Path(__file__).parents[2] / "square" / "peg.yaml")
+
+
+@pytest.fixture
+def engines(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Engines that are not compiled."""
+    monkeypatch.setattr(in_browser, "modules", lambda _: Modules(b"one", b"many", interface()))
+
+
+def model_in(page: Path) -> dict:
+    return json.loads(
+        page.read_text(encoding="utf-8").partition('id="model">')[2].partition("</script>")[0]
+    )
+
+
+@pytest.mark.usefixtures("engines")
+def test_a_device_gets_a_page_in_its_units(tmp_path, capsys):
+    page = tmp_path / "peg.html"
+    assert (
+        cli.main(["explore", "--device", PEG, "--set", "press_force=12", "--out", str(page)]) == 0
+    )
+    assert str(page) in capsys.readouterr().out
+    assert model_in(page)["baseline"]["press_force"] == pytest.approx(12.0)
+    origin = model_in(page)["origin"]
+    assert origin["options"] == ["--device", PEG]
+    assert origin["sets"] == {"press_force": "--set press_force=12"}
+
+
+@pytest.mark.usefixtures("engines")
+def test_without_a_device_the_page_is_that_of_the_paper(tmp_path):
+    page = tmp_path / "paper.html"
+    assert cli.main(["explore", "--out", str(page)]) == cli.DONE
+    assert model_in(page)["presets"]["device"]["title"] == "the paper's device"
+
+
+def test_a_run_is_animated_as_a_page(device, tmp_path):
+    page = tmp_path / "run.html"
+    sets = [part for each in device.given().items() for part in ("--set", "{}={}".format(*each))]
+    assert cli.main(["simulate", *sets, "--tolerance=1e-6", "--animate", str(page)]) == cli.DONE
+    model = model_in(page)
+    assert model["run"]["results"]["outcome"] == 0.0
+    assert model["baseline"]["press_force"] == device.press_force

@@ -1,0 +1,349 @@
+"""``vibralign``: what it prints, what it refuses, and how it ends."""
+
+import json
+import math
+import os
+import re
+import subprocess
+import sys
+from dataclasses import asdict
+from pathlib import Path
+
+import pytest
+import yaml
+
+from model.events.outcomes import OUTCOME_TEXT, Outcome, Reason, remedy
+from model.physics.parameters import FIELDS, PARAMETER_NAMES
+from model.physics.variants import Variants
+from model.runs.simulate import simulate
+from study.config import load_study, study_path
+from vibralign.commands import main as cli
+from vibralign.commands import simulate as simulate_command
+from vibralign.device import load_device
+from vibralign.device.paper import baseline
+
+ALIGNING = ["simulate", "--set", "press_force=2", "--set", "tilt_stiffness=10"]
+OWN = yaml.safe_load((Path(__file__).parents[2] / "device.yaml").read_text(encoding="utf-8"))
+OWN = {**OWN["structure"], **OWN["operating_point"], "press_force": 9.0, "tilt_stiffness": 2.0}
+SETS = [part for each in OWN.items() for part in ("--set", "{}={}".format(*each))]
+OVERTURNING = ["simulate", *SETS]
+
+
+@pytest.fixture(scope="module")
+def settings():
+    return load_study(study_path()).settings.settings
+
+
+@pytest.fixture(scope="module")
+def aligning(settings):
+    return simulate(baseline().replace(press_force=2.0, tilt_stiffness=10.0), settings)
+
+
+def printed(text: str) -> dict[str, str]:
+    """The lines of the report, by their first word or words."""
+    lines = [line for line in text.splitlines() if not line.startswith("note")]
+    return {line[:20].strip(): line[20:].strip() for line in lines}
+
+
+# --- What a run prints --------------------------------------------------------------------------
+
+
+def test_an_aligned_run_prints_its_moment_error_state_and_cost(capsys, aligning):
+    assert cli.main(ALIGNING) == cli.DONE
+    lines = printed(capsys.readouterr().out)
+    assert lines["outcome"] == f"aligned: {OUTCOME_TEXT[Outcome.ALIGNED]}"
+    value, error = (float(each) for each in lines["tau_align"].split(" ± "))
+    assert value == pytest.approx(aligning.tau_align, abs=error)
+    assert float(lines["tau_error"]) == pytest.approx(aligning.tau_error, rel=0.01)
+    assert float(lines["tau_corners_inside"]) == pytest.approx(aligning.tau_corners_inside)
+    names = ("x", "y", "tilt", "x_rate", "y_rate", "tilt_rate")
+    state = [float(lines[name]) for name in names]
+    assert state == pytest.approx(aligning.state[-1], rel=1e-8)
+    assert int(lines["rhs_evaluations"]) == aligning.rhs_evaluations
+    assert int(lines["separations"]) == aligning.separations
+    share = float(lines["sticking_share"].split()[0])
+    assert share == pytest.approx(100 * aligning.sticking_share, rel=0.01)
+
+
+def test_json_holds_all_of_it(capsys, aligning, settings):
+    assert cli.main([*ALIGNING, "--json"]) == cli.DONE
+    record = json.loads(capsys.readouterr().out)
+    assert record["outcome"] == "aligned"
+    assert record["tau_align"] == aligning.tau_align
+    assert record["tau_error"] == aligning.tau_error
+    assert list(record["final_state"].values()) == aligning.state[-1].tolist()
+    assert record["parameters"] == asdict(aligning.parameters)
+    assert record["readings"] == asdict(settings.readings)
+    assert record["horizon"] == settings.horizon
+    assert record["tolerance"] == settings.tolerance
+    assert record["rhs_evaluations"] == aligning.rhs_evaluations
+    assert record["sensitive"] is False
+
+
+def test_a_run_that_does_not_align_says_why_and_what_to_do(capsys):
+    def no_constants(text):
+        raise AssertionError(f"{text} is not JSON")
+
+    assert cli.main(OVERTURNING) == cli.DONE
+    lines = printed(capsys.readouterr().out)
+    assert lines["outcome"].startswith("left_scene: ")
+    assert "90 degrees" in lines["outcome"]
+    assert lines["what to do"] == remedy(Outcome.LEFT_SCENE, Reason.OVERTURNED)
+    assert lines["tau_align"] == "none: it does not align"
+    assert cli.main([*OVERTURNING, "--json"]) == cli.DONE
+    record = json.loads(capsys.readouterr().out, parse_constant=no_constants)
+    assert record["tau_align"] is record["tau_error"] is None
+    assert record["reason"] == "overturned"
+    assert record["remedy"] == remedy(Outcome.LEFT_SCENE, Reason.OVERTURNED)
+
+
+def short(capsys, *arguments: str) -> dict:
+    """The record of a short run."""
+    assert cli.main(["simulate", "--horizon", "0.1", "--json", *arguments]) == cli.DONE
+    return json.loads(capsys.readouterr().out)
+
+
+def test_the_study_and_the_command_line_start_from_the_same(capsys, settings):
+    record = short(capsys)
+    assert record["parameters"] == asdict(baseline())
+    assert record["readings"] == asdict(settings.readings) == asdict(Variants())
+
+
+@pytest.mark.parametrize("name", PARAMETER_NAMES)
+def test_every_parameter_can_be_set_by_its_name(capsys, name):
+    value = {"misalignment": 0.3, "rest_x": 0.25, "rest_y": 4.0}.get(name)
+    value = 1.01 * getattr(baseline(), name) + 0.001 if value is None else value
+    record = short(capsys, "--set", f"{name}={value!r}")
+    assert record["parameters"] == asdict(baseline().replace(**{name: value}))
+
+
+def test_a_spring_can_be_relaxed_where_the_part_starts(capsys):
+    assert short(capsys, "--set", "rest_x=None")["parameters"]["rest_x"] is None
+
+
+def test_horizon_and_tolerance_are_used(capsys):
+    record = short(capsys, "--horizon", "0.5", "--tolerance", "1e-7")
+    assert record["outcome"] == "horizon_reached"
+    assert (record["horizon"], record["tolerance"]) == (0.5, 1e-7)
+    assert record["final_time"] == pytest.approx(0.5)
+
+
+def test_a_switch_overrides_the_preset(capsys):
+    given = ["--readings", "printed", "--reading", "preload=consistent"]
+    readings = short(capsys, *given)["readings"]
+    assert readings.pop("preload") == "consistent"
+    assert set(readings.values()) == {"printed"}
+
+
+def test_a_failed_run_has_its_own_exit_code_and_a_sensitive_one_says_so(
+    capsys, monkeypatch, aligning
+):
+    def end(**changed) -> tuple[int, str]:
+        run = type(aligning)(**{**vars(aligning), **changed})
+        monkeypatch.setattr(simulate_command, "simulate", lambda *_: run)
+        return cli.main(["simulate"]), capsys.readouterr().out
+
+    code, said = end(outcome=Outcome.FAILED, tau_align=math.nan)
+    assert code == cli.FAILED
+    assert printed(said)["outcome"].startswith("failed: ")
+    assert printed(said)["what to do"] == remedy(Outcome.FAILED, aligning.reason)
+    code, said = end(sensitive=True)
+    assert "note: sensitive" in said
+
+
+@pytest.mark.parametrize(
+    ("value", "error", "text"),
+    [
+        (5.7506138661, 4.71e-9, "5.750613866 ± 5e-09"),
+        (5.7506138661, 0.02, "5.75 ± 0.02"),
+        (5.75, 3.0, "6 ± 3"),
+        (5.75, 0.0, "5.7500000000000 ± 0"),
+        (5.75, math.nan, "5.75 (error unknown)"),
+    ],
+)
+def test_digits_end_where_the_error_begins(value, error, text):
+    assert simulate_command._within(value, error) == text
+
+
+# --- What is refused, beside the lines of tests/bad_input ---------------------------------------
+
+
+def test_a_picture_in_a_folder_that_cannot_be_written(capsys, tmp_path, monkeypatch):
+    # Not by chmod: root, whom containers run as, may write everywhere.
+    monkeypatch.setattr(os, "access", lambda *_: False)
+    assert cli.main(["simulate", "--plot", str(tmp_path / "run.png")]) == cli.REFUSED
+    assert "permission denied" in capsys.readouterr().err
+
+
+def test_an_interruption_ends_without_a_traceback(capsys, monkeypatch):
+    def interrupted(*_arguments):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(simulate_command, "simulate", interrupted)
+    assert cli.main(["simulate"]) == cli.INTERRUPTED
+    assert capsys.readouterr().err == "vibralign: interrupted\n"
+
+
+# --- Pictures, help, version --------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("suffix", "head"), [("png", b"\x89PNG"), ("svg", b"<?xml")])
+def test_plot_writes_a_picture(capsys, tmp_path, suffix, head):
+    path = tmp_path / f"run.{suffix}"
+    assert cli.main([*ALIGNING, "--plot", str(path)]) == cli.DONE
+    assert path.read_bytes().startswith(head)
+    assert capsys.readouterr().err == ""
+
+
+def test_help_lists_every_parameter_with_symbol_baseline_and_meaning(capsys):
+    assert cli.main(["simulate", "--help"]) == cli.DONE
+    rows = {line.split()[0]: line for line in capsys.readouterr().out.splitlines() if line.strip()}
+    for name, field in FIELDS.items():
+        value = getattr(baseline(), name)
+        shown = f"as {field.derived}" if value is None else f"{value:g}"
+        assert field.symbol in rows[name]
+        assert field.description in rows[name]
+        assert re.search(rf" {re.escape(shown)} ", rows[name]), name
+
+
+def test_version(capsys):
+    assert cli.main(["--version"]) == cli.DONE
+    assert capsys.readouterr().out.startswith("vibralign ")
+
+
+def test_as_a_command():
+    # Plotting, statistics and datasets are slow to import, and need not be installed for this.
+    code = (
+        "import runpy, sys\n"
+        "sys.modules['scipy'] = None\n"
+        "try: runpy.run_module('vibralign.commands.main', run_name='__main__', alter_sys=True)\n"
+        "finally: assert not {'matplotlib', 'xarray', 'jinja2'} & set(sys.modules)"
+    )
+    command = [sys.executable, "-c", code, *ALIGNING]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.startswith("outcome             aligned")
+
+
+# --- A device in SI units -----------------------------------------------------------------------
+
+PEG = str(study_path().parents[1] / "tests" / "square" / "peg.yaml")
+
+
+def test_a_device_file_gives_results_in_si_units(capsys):
+    assert cli.main(["simulate", "--device", PEG, "--json"]) == cli.DONE
+    record = json.loads(capsys.readouterr().out)
+    si = record["si"]
+    assert si["time_unit_s"] == pytest.approx(math.sqrt(0.3 / 3000.0))
+    assert si["alignment_time_s"] == pytest.approx(record["tau_align"] * si["time_unit_s"])
+    assert si["contact_force_max_N"] == pytest.approx(record["contact_force_max"] * 3.0)
+    assert cli.main(["simulate", "--device", PEG]) == cli.DONE
+    said = capsys.readouterr().out
+    time = re.search(r"alignment time +(\S+) ms\n", said)
+    assert float(time[1]) == pytest.approx(1e3 * si["alignment_time_s"], rel=1e-3)
+    assert re.search(r"largest normal force at one point, from this start +20 N\n", said)
+    words = (
+        "edge 20 N, corner 0 N, side 0 N, wall 0 N, until alignment: --scene insertion for those"
+    )
+    assert re.search(rf"  of the force +{words} in the hole\n", said)
+    assert re.search(r"touch-down +one start, at phase 0 rad .*; vibralign assess takes all", said)
+    assert si["results"]["contact_force_max"] == si["contact_force_max_N"]
+    assert re.search(r"  velocity along y +\S+ mm/s\n", said)
+    assert si["natural_frequencies"]["axial"] == pytest.approx(math.sqrt(1e4) / (2.0 * math.pi))
+    assert si["excitation_ratios"] == record["excitation_ratios"]
+    assert record["excitation_ratios"]["axial"] == pytest.approx(math.pi)  # 50 Hz
+    assert "axial 15.92 Hz, lateral 2.055 Hz, tilt 16.78 Hz; excitation at 3.14, " in said
+    assert "dimensionless" not in said
+    assert cli.main(["simulate", "--device", PEG, "--dimensionless"]) == cli.DONE
+    said = capsys.readouterr().out
+    assert re.search(r"dimensionless:\ntau_align +9\.", said)
+    assert said.endswith("one is 0.01 s, 0.001 m, 3 N\n")
+
+
+def test_with_a_device_what_is_set_is_in_si_units(capsys):
+    changes = ["--set", "press_force=0.04 kN", "--horizon", "10 ms"]
+    assert cli.main(["simulate", "--device", PEG, *changes, "--json"]) == cli.DONE
+    record = json.loads(capsys.readouterr().out)
+    assert record["parameters"]["press_force"] == pytest.approx(40.0 / 3.0)
+    assert (record["outcome"], record["final_time"]) == ("horizon_reached", pytest.approx(1.0))
+    assert record["si"]["alignment_time_s"] is None
+
+
+@pytest.mark.parametrize("unit", [" mm", "e-3"])
+def test_the_depth_at_which_a_device_is_inserted_is_in_si_units(capsys, unit):
+    given = ["--device", PEG, "--scene", "insertion", "--insertion-depth", f"0.5{unit}", "--json"]
+    assert cli.main(["simulate", *given]) == cli.DONE
+    record = json.loads(capsys.readouterr().out)
+    assert record["outcome"] == "inserted"
+    device = load_device(Path(PEG), {})
+    state, length = record["final_state"], device.units.amplitude
+    low = device.parameters.half_height * math.cos(state["tilt"]) - state["y"]
+    low -= device.parameters.half_width * math.sin(abs(state["tilt"]))
+    assert length * low == pytest.approx(0.5e-3, rel=1e-6)
+    assert length * record["insertion_depth"] == pytest.approx(0.5e-3)
+
+
+def test_a_doubtful_device_runs_with_a_warning(capsys):
+    given = ["--device", PEG, "--set", "amplitude=6 mm", "--horizon", "1 ms"]
+    assert cli.main(["simulate", *given]) == cli.DONE
+    err = capsys.readouterr().err
+    assert err.startswith("vibralign: warning: ")
+    assert "amplitude = 6 mm is larger than half_width = 5 mm" in err
+
+
+def test_the_start_is_that_of_the_option_then_the_file_then_the_study(tmp_path, capsys):
+    path = tmp_path / "peg.yaml"
+    path.write_text(Path(PEG).read_text(encoding="utf-8") + "start: pressed\n")
+
+    def start_of(*arguments):
+        record = short(capsys, *arguments)
+        assert record["unvibrated"] in ("aligns", "rests", "leaves")
+        return record["start"]
+
+    assert start_of() == "simultaneous"
+    assert start_of("--start", "pressed") == "pressed"
+    assert start_of("--device", str(path)) == "pressed"
+    assert start_of("--device", str(path), "--start", "simultaneous") == "simultaneous"
+
+
+@pytest.mark.parametrize(
+    "closed",
+    [">&-", "<&- >&- 2>&-"]
+    + [pytest.param(each, marks=pytest.mark.nightly) for each in ("<&-", "2>&-", ">&- 2>&-")],
+)
+def test_standard_streams_may_be_closed(tmp_path, closed):
+    picture = tmp_path / "run.svg"
+    command = f"{sys.executable} -m vibralign simulate --horizon 1 --plot {picture} {closed}"
+    run = subprocess.run(["sh", "-c", command], capture_output=True, text=True, check=False)
+    assert run.returncode == cli.DONE
+    assert "Traceback" not in run.stderr
+    assert picture.read_text(encoding="utf-8").startswith("<?xml")  # and nothing else came into it
+
+
+@pytest.mark.parametrize("full", [">/dev/full", ">/dev/full 2>&1"])
+def test_full_standard_streams_are_a_failure(full):
+    command = f"{sys.executable} -m vibralign.commands.main simulate --horizon 1 {full}"
+    run = subprocess.run(["sh", "-c", command], capture_output=True, text=True, check=False)
+    assert run.returncode == cli.FAILED
+    assert "Traceback" not in run.stderr
+
+
+@pytest.mark.parametrize(
+    "backend",
+    ["module://matplotlib_inline.backend_inline", pytest.param("no", marks=pytest.mark.nightly)],
+)
+def test_the_backend_of_a_notebook_does_not_matter(tmp_path, backend):
+    picture = tmp_path / "run.png"
+    words = [
+        sys.executable,
+        "-m",
+        "vibralign",
+        "simulate",
+        "--horizon",
+        "1",
+        "--plot",
+    ]
+    own = {**os.environ, "MPLBACKEND": backend}
+    run = subprocess.run([*words, picture], env=own, capture_output=True, check=False)
+    assert run.returncode == cli.DONE, run.stderr
+    assert picture.is_file()

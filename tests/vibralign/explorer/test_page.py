@@ -1,0 +1,144 @@
+"""The explorer's page as a file, without running it: content, bytes, and what it must not hold."""
+
+import base64
+import gzip
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from model.events.outcomes import OUTCOME_TEXT, Outcome, Reason, remedy
+from model.physics.parameters import FIELDS, PARAMETER_NAMES
+from model.runs.in_browser import Modules, interface
+from model.runs.settings import Settings
+from model.runs.trace import COLUMNS, Trace
+from model.sweeps.io import write_dataset
+from study.config import MAPS, load_study, study_path
+from study.explorer import study_model
+from vibralign.device import load_device
+from vibralign.explorer import page as module
+from vibralign.explorer.content import FIRST, device_model
+from vibralign.explorer.page import SCRIPTS, build_page, run_page
+
+STUDY = load_study(study_path())
+INTERFACE = interface()
+MODULES = Modules(b"\0asm one", b"\0asm many", INTERFACE)
+PEG = Path(__file__).parents[2] / "square/peg.yaml"
+
+
+def model_in(page: str) -> dict[str, Any]:
+    """The model that a page holds, as its scripts read it."""
+    text = page.partition('id="model">')[2].partition("</script>")[0]
+    found: dict[str, Any] = json.loads(text)
+    return found
+
+
+def unpacked(text: str) -> bytes:
+    return gzip.decompress(base64.b64decode(text))
+
+
+@pytest.fixture(scope="module")
+def page() -> str:
+    return build_page(study_model(STUDY, INTERFACE), MODULES)
+
+
+def test_the_same_inputs_give_the_same_bytes(page: str) -> None:
+    assert build_page(study_model(STUDY, INTERFACE), MODULES) == page
+
+
+def test_page_needs_no_network(page: str) -> None:
+    assert re.findall(r'\b(?:src|href)="([^"]*)"', page) == ["data:,"]
+    scripts = page.partition('"use strict";')[2]
+    assert not re.search(r"https?://|fetch\(|XMLHttpRequest|import\(|@import|url\(", scripts)
+
+
+def test_page_knows_every_parameter_outcome_and_remedy(page: str) -> None:
+    model = model_in(page)
+    assert {each["name"] for each in model["parameters"]} == set(PARAMETER_NAMES)
+    for each in model["parameters"]:
+        assert each["symbol"] == FIELDS[each["name"]].symbol
+        assert each["least"] < each["most"]
+    assert model["outcomes"]["0"] == OUTCOME_TEXT[Outcome.ALIGNED]
+    assert model["remedies"]["2,2"] == remedy(Outcome.LEFT_SCENE, Reason.OVERSHOT)
+    assert len(model["events"]) == len(INTERFACE["events"])
+    assert unpacked(model["modules"]["run_one"]) == MODULES.run_one
+
+
+def test_presets_are_the_operating_points_of_figures_and_hard_cases(page: str) -> None:
+    presets = model_in(page)["presets"]
+    assert {name for name in presets if name.startswith("fig")} == {
+        f"fig{n:02}" for n in range(5, 15)
+    }
+    for name in (each for each in presets if each.startswith("fig")):
+        held = {**presets[name]["values"], **STUDY.figures[name].held}
+        assert presets[name]["values"] == held
+    assert len(presets) == 10 + len(STUDY.precision.hard.cases)
+
+
+def test_text_cannot_end_the_script_that_holds_it() -> None:
+    model = study_model(STUDY, INTERFACE)
+    model["presets"]["fig06"]["words"] = "</script><b>"
+    page = build_page(model, MODULES)
+    assert page.count("</script>") == 2
+    assert model_in(page)["presets"]["fig06"]["words"] == "</script><b>"
+
+
+def test_a_device_has_its_own_units() -> None:
+    units, device = load_device(PEG, {}).device
+    settings = STUDY.settings.settings
+    model = device_model(device, units, "peg.yaml", settings, INTERFACE)
+    by_name = {each["name"]: each for each in model["parameters"]}
+    force = by_name["press_force"]
+    assert model["baseline"]["press_force"] == pytest.approx(10.0)
+    assert force["unit"] == "N"
+    assert [force["si"], force["one"], force["powers"][2]] == ["N", 1.0, 1]
+    assert [by_name["half_width"]["unit"], by_name["half_width"]["one"]] == ["mm", 1e-3]
+    assert force in model["parameters"][: len(FIRST)]
+    assert model["time"]["si"] == "s"
+    assert model["baseline"]["amplitude"] == units.amplitude
+
+
+def test_stored_maps_hold_duration_in_steps_and_what_is_reliable(tmp_path: Path) -> None:
+    tau = np.array([[1.0, np.nan, 2.0], [1.5, 2.0, np.nan]])
+    reliable = np.array([[1, 0], [0, 1]], dtype=np.int8)
+    variables = {"tau_align": (("y", "x"), tau), "reliable": (("start_y", "start_x"), reliable)}
+    coordinates = {"y": [0.0, 1.0], "x": [0.0, 1.0, 2.0]}
+    coordinates |= {"start_y": [0.0, 1.0], "start_x": [0.0, 2.0]}
+    dataset = xr.Dataset(variables, coordinates, attrs={"figure": "fig13"})
+    write_dataset(dataset, tmp_path / "map.nc")
+    stored = study_model(STUDY, INTERFACE, [tmp_path / "map.nc"] * len(MAPS))["maps"]["fig13"]
+    assert stored["cells"] == 3
+    levels = np.frombuffer(unpacked(stored["duration"]), dtype=np.uint8).reshape(3, 3)
+    # Rows are repeated to a square; 1 is the shortest duration, 255 the longest.
+    np.testing.assert_array_equal(levels[0], [1, 0, 255])
+    middle = round(1.0 + 254.0 * np.log(1.5) / np.log(2.0))
+    np.testing.assert_array_equal(levels[-1], [middle, 255, 0])
+    found = np.frombuffer(unpacked(stored["reliable"]), dtype=np.uint8).reshape(3, 3)
+    np.testing.assert_array_equal(found[[0, 2]][:, [0, 2]], reliable)
+
+
+@pytest.mark.parametrize("rows", [5, 50_000])
+def test_a_run_page_holds_its_track_and_no_engine(rows: int) -> None:
+    track = np.zeros((rows, len(COLUMNS)))
+    track[:, 0] = np.arange(rows)
+    track[rows - 3, COLUMNS.index("event")] = 1.0
+    results = dict.fromkeys(INTERFACE["results"], 1.0) | {"tau_align": np.nan, "tracked": rows}
+    model = device_model(STUDY.baseline, None, "", Settings(), INTERFACE)
+    found = model_in(run_page(model, Trace(results, track)))
+    assert "modules" not in found
+    assert found["run"]["results"]["tau_align"] is None
+    stored = np.frombuffer(unpacked(found["run"]["track"])).reshape(-1, len(COLUMNS))
+    assert found["run"]["results"]["tracked"] == len(stored) <= 20_000
+    # A long track is thinned, but keeps events, the rows before them, and its end.
+    assert {rows - 4, rows - 3, rows - 1} <= set(stored[:, 0])
+
+
+def test_scripts_are_all_in_the_page() -> None:
+    folder = Path(module.__file__).parent
+    assert {each.name for each in folder.glob("*.js")} == {
+        f"page.{name}.js" for name in (*SCRIPTS, "worker")
+    }

@@ -1,0 +1,39 @@
+"""The device sheet: self-contained, the same bytes, with the numbers of its device."""
+
+import re
+from pathlib import Path
+
+from model.runs.settings import Settings
+from study.config import load_study, study_path
+from vibralign.commands import sheet
+from vibralign.device import load_device
+
+PEG = Path(__file__).resolve().parents[2] / "square" / "devices" / "peg.yaml"
+VERDICT = ("reliable at the stated values; yield 100 % under the tolerances", True)
+GROUPS = {
+    "Verdict": ["starts   aligns from 32 of 32 starts", "at most  19 N"],
+    "Leeways": ["friction to 0.3"],
+    "Yield": ["yield 100 %"],
+}
+
+
+def test_a_sheet_is_self_contained_and_has_the_same_bytes(tmp_path, monkeypatch):
+    monkeypatch.setattr(sheet, "_COUNT", 9)
+    study = load_study(study_path())
+    stated, settings = (
+        load_device(PEG, {"press_force": "12 N"}),
+        Settings(horizon=40.0, tolerance=1e-6),
+    )
+    pages = []
+    for name in ("one.html", "two.html"):
+        sheet.write_sheet(tmp_path / name, stated, VERDICT, GROUPS, study, settings)
+        pages.append((tmp_path / name).read_bytes())
+    assert pages[0] == pages[1]
+    page = pages[0].decode()
+    assert page.count("data:image/svg+xml;base64,") == 3
+    assert re.findall(r'(?:src|href)="(?!data:)([^"]*)', page) == []
+    assert f'<p class="verdict good">{VERDICT[0]}</p>' in page
+    assert f"<p>{PEG}, with press_force=12 N; vibralign " in page  # the footer
+    assert re.search(r"<td>press force</td><td>12 N</td><td>± 1.2 N</td>", page)
+    assert re.search(r"<td>amplitude</td><td>1 mm</td><td>± 0.05 mm</td>", page)
+    assert "@page { size: A4" in page
