@@ -5,12 +5,12 @@ import os
 import numpy as np
 import pytest
 
-from model import Outcome, Parameters, align
 from model.events.outcomes import Reason
 from verification.accuracy import LEAVING
 from verification.independent import solve, solve_round
+from vibralign import Outcome, Parameters, align
 
-HORIZON = 30.0
+HORIZON = 12.0
 # Log-uniform ranges, around the study's device; the part covers the edge and may be tipped over it.
 RANGES = {
     "half_width": (0.7, 1.5), "half_height": (1.5, 4.0), "tilt_stiffness": (6.0, 30.0),

@@ -166,12 +166,13 @@ class Run:
         y, velocity = descend(d, self.start == "running")
         return np.array([p.misalignment, y, p.rest_tilt, 0.0, velocity, 0.0]), Mode(face="off")
 
-    def stop(self, time: float, end: float, waits: bool) -> float:
+    def stop(self, time: float, end: float, *, waits: bool) -> float:
         """Return the time of the next stop: end of the ramp, look for rest, or of the run."""
         ramp = self.device.drive.reaches
         if time < ramp:
             return min(ramp, end)
-        return min(time + 2.0 * math.pi, end) if waits else end
+        looks = math.floor((time - ramp) / (2.0 * math.pi) + 1e-9) + 1
+        return min(ramp + looks * 2.0 * math.pi, end) if waits else end
 
     def rests(self, time: float, z: State, mode: Mode) -> bool:
         """Return whether no point of the part moves, or is about to."""
@@ -191,7 +192,7 @@ class Run:
         met: list[str] = []
         muted = ""
         while len(met) < _MOST_EVENTS:
-            began, stop = time, self.stop(time, end, stage == "waits")
+            began, stop = time, self.stop(time, end, waits=stage == "waits")
             name, time, z = self.segment(time, z, mode, stop, muted)
             if not name:
                 if time >= end:

@@ -161,6 +161,8 @@ class Parameters(Value):
 
 FIELDS: Mapping[str, Field] = entries(Parameters)
 PARAMETER_NAMES: tuple[str, ...] = tuple(FIELDS)
+OF_PAPER = tuple(name for name, field in FIELDS.items() if not field.optional)
+"""The parameters of the paper's device, whose start is sudden."""
 # The parameters without a default.
 REQUIRED_NAMES = tuple(f.name for f in dataclasses.fields(Parameters) if f.default is MISSING)
 Parameters.__doc__ = described(Parameters.__doc__, FIELDS)

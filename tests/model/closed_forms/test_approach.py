@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from model import Batch, Outcome, Parameters, Reason, Settings, align, simulate
 from model.engine.record import AT
 from model.engine.results import RunResult
 from model.events.scenes import Scene
 from model.physics.parameters import constants_of
 from model.physics.rest import rest_under_press
 from model.runs.engines import engine_for, scalar_engine
+from vibralign import Batch, Outcome, Parameters, Reason, Settings, align, simulate
 
 APPROACHES = {"slow": 0.05, "usual": 0.4, "faster than the vibration": 6.0}
 NO_CONTACT = Scene("suspended", frozenset())
