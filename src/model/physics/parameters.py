@@ -47,7 +47,7 @@ def check_name(name: str, valid: Sequence[str], what: str) -> None:
 
 
 def _misplaced(values: Mapping[str, Any]) -> Any:
-    """Return whether a part of any shape would start wholly beside the slot, or left of its middle.
+    """Return whether a part of any shape would start wholly beside the slot, or left of it.
 
     ``values`` are parameters by name: numbers or arrays. Either the mass centre or the middle of
     the face must be in place.
