@@ -99,9 +99,9 @@ class _Declared(NamedTuple):
     lengths: dict[str, str]
 
 
-def _declared(is_round: bool) -> dict[str, _Declared]:
-    """Return the functions: ``run_one`` has the insertion scene, ``run_many`` ends at alignment."""
-    inserting, aligning = (in_kernels(each, is_round) for each in (INSERTION, ALIGNMENT))
+def _declared(is_round: bool, scene: Scene) -> dict[str, _Declared]:
+    """Return the functions: ``run_one`` has the scene, ``run_many`` ends at alignment."""
+    own, aligning = (in_kernels(each, is_round) for each in (scene, ALIGNMENT))
     given, limits = np.zeros((1, _GIVEN)), np.zeros(1 + len(Control._fields))
     results = np.zeros((1, _RESULTS))
     one = {
@@ -117,7 +117,7 @@ def _declared(is_round: bool) -> dict[str, _Declared]:
     }  # fmt: skip
     sets = dict.fromkeys(("given", "results"), "sets")
     return {
-        "run_one": _Declared(_run_one(inserting), one, sets | {"track": "rows"}),
+        "run_one": _Declared(_run_one(own), one, sets | {"track": "rows"}),
         "run_many": _Declared(
             _run_many(aligning), many, sets | dict.fromkeys(("constants", "tolerances"), "sets")
         ),
@@ -171,10 +171,10 @@ def interface(scene: Scene = INSERTION, shape: Shape = "square") -> dict[str, An
     }
 
 
-def _compile(folder: Path, shape: Shape) -> None:
+def _compile(folder: Path, shape: Shape, scene: Scene) -> None:
     """Write the modules and their interface into ``folder``."""
-    table = interface(shape=shape) | {"functions": {}}
-    for name, function in _declared(shape == "round").items():
+    table = interface(scene, shape) | {"functions": {}}
+    for name, function in _declared(shape == "round", scene).items():
         types = tuple(flattened(each, []) for each in function.arguments.values())
         made = web_assembly_of((function.kernel, types))
         sha256 = hashlib.sha256(made.binary).hexdigest()
@@ -185,26 +185,26 @@ def _compile(folder: Path, shape: Shape) -> None:
     (folder / "interface.json").write_text(json.dumps(table))
 
 
-def _folder(shape: Shape) -> Path:
-    return cache_folder() / "webassembly" / shape
+def _folder(shape: Shape, scene: Scene) -> Path:
+    return cache_folder() / "webassembly" / f"{shape}-{scene.name}"
 
 
-def are_cached(shape: Shape = "square") -> bool:
+def are_cached(shape: Shape = "square", scene: Scene = INSERTION) -> bool:
     """Return whether the modules are compiled already."""
-    return _folder(shape).exists()
+    return _folder(shape, scene).exists()
 
 
-def modules(shape: Shape = "square") -> Modules:
-    """Return the modules for parts of a shape, compiled unless they are cached.
+def modules(shape: Shape = "square", scene: Scene = INSERTION) -> Modules:
+    """Return the modules for parts of a shape in a scene, compiled unless they are cached.
 
     Raises:
         OSError: no folder for temporary files can be written.
     """
-    folder = _folder(shape)
+    folder = _folder(shape, scene)
     if (kept := _kept(folder)) is not None:
         return kept
     with tempfile.TemporaryDirectory() as made:
-        _compile(Path(made), shape)
+        _compile(Path(made), shape, scene)
         compiled = _kept(Path(made))
         with contextlib.suppress(OSError):  # a read-only cache, or another process was faster
             shutil.rmtree(folder, ignore_errors=True)  # damaged

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from model.engines.results import RESULTS, VALUE_TYPES
+from model.engine.results import RESULTS, VALUE_TYPES
 from model.physics.parameters import Batch, Parameters
 from model.physics.quantities import LENGTH, TIME, Quantity
 from model.physics.tables import vars_of
