@@ -7,7 +7,10 @@ A page calls the same entries as Python (compile/entries.py), with arrays in its
 import contextlib
 import hashlib
 import json
+import os
 import shutil
+import subprocess
+import sys
 import tempfile
 from collections.abc import Iterator
 from dataclasses import replace
@@ -19,6 +22,7 @@ from numpy.typing import NDArray
 
 from model.compile.cache import cache_folder
 from model.compile.entries import flattened
+from model.compile.identity import PACKAGE, digest_of
 from model.compile.kernels import inlined_kernel, kernel
 from model.compile.webassembly import web_assembly_of
 from model.engine.lane_events import lane_events_of
@@ -30,7 +34,7 @@ from model.events.insertion import INSERTION
 from model.events.kernels import SceneEvents, in_kernels
 from model.events.scenes import ALIGNMENT, Scene
 from model.physics.parameters import PARAMETER_NAMES, Constants, Given, Shape, resolved
-from model.runs.settings import Settings
+from model.runs.settings import SCENES, Settings
 from model.runs.trace import COLUMNS, integrate_trace
 
 # ------------------------------------------------------------------------------------------ kernels
@@ -171,8 +175,22 @@ def interface(scene: Scene = INSERTION, shape: Shape = "square") -> dict[str, An
     }
 
 
-def _compile(folder: Path, shape: Shape, scene: Scene) -> None:
+WIDTH_OF_PAGES = 2  # WebAssembly's vectors have 128 bits (decision 61)
+
+
+def _compile_apart(folder: Path, shape: Shape, scene: Scene) -> None:
+    """Write the modules and their interface into ``folder``, from a process of their own width."""
+    paths = [str(PACKAGE.parent), os.environ.get("PYTHONPATH", "")]
+    variables = {"VIBRALIGN_WIDTH": str(WIDTH_OF_PAGES), "PYTHONPATH": os.pathsep.join(paths)}
+    program = "from model.runs.in_browser import _compile; import pathlib, sys; "
+    program += "_compile(pathlib.Path(sys.argv[1]), *sys.argv[2:])"
+    arguments = [sys.executable, "-c", program, str(folder), shape, scene.name]
+    subprocess.run(arguments, env={**os.environ, **variables}, check=True)
+
+
+def _compile(folder: Path, shape: Shape, scene_name: str) -> None:
     """Write the modules and their interface into ``folder``."""
+    scene = SCENES[scene_name]
     table = interface(scene, shape) | {"functions": {}}
     for name, function in _declared(shape == "round", scene).items():
         types = tuple(flattened(each, []) for each in function.arguments.values())
@@ -186,7 +204,8 @@ def _compile(folder: Path, shape: Shape, scene: Scene) -> None:
 
 
 def _folder(shape: Shape, scene: Scene) -> Path:
-    return cache_folder() / "webassembly" / f"{shape}-{scene.name}"
+    digest = digest_of(_compile, WIDTH_OF_PAGES, shape, scene.name)
+    return cache_folder() / "webassembly" / f"{shape}_{scene.name}_{digest}"
 
 
 def are_cached(shape: Shape = "square", scene: Scene = INSERTION) -> bool:
@@ -204,7 +223,7 @@ def modules(shape: Shape = "square", scene: Scene = INSERTION) -> Modules:
     if (kept := _kept(folder)) is not None:
         return kept
     with tempfile.TemporaryDirectory() as made:
-        _compile(Path(made), shape, scene)
+        _compile_apart(Path(made), shape, scene)
         compiled = _kept(Path(made))
         with contextlib.suppress(OSError):  # a read-only cache, or another process was faster
             shutil.rmtree(folder, ignore_errors=True)  # damaged
