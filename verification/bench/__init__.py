@@ -25,5 +25,5 @@ rounds in which all methods take turns. Results: the table on the terminal,
 
 - ``trajectories``: the problems
 - ``table``: settings, times and ratios
-- ``truth``: alignment against heyoka and MuJoCo (``make truth``)
+- ``truth``: alignment times against heyoka's (``make truth``)
 """

@@ -1,4 +1,4 @@
-"""Measure, print the table, keep it: ``python -m benchmarks [--quick]``."""
+"""Measure, print the table, keep it: ``python -m verification.bench [--quick]``."""
 
 import argparse
 import os
@@ -10,12 +10,12 @@ for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUM
 if hasattr(os, "sched_setaffinity"):
     os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
 
-from benchmarks.machine import facts  # noqa: E402
-from benchmarks.methods.peers import all_methods  # noqa: E402
-from benchmarks.table import Row, compare, text, write  # noqa: E402
-from benchmarks.trajectories import all_problems  # noqa: E402
 from model.compile.identity import digest_of  # noqa: E402
 from model.engine.scheduling import integrate_all  # noqa: E402
+from verification.bench.machine import facts  # noqa: E402
+from verification.bench.methods.peers import all_methods  # noqa: E402
+from verification.bench.table import Row, compare, text, write  # noqa: E402
+from verification.bench.trajectories import all_problems  # noqa: E402
 
 # Points of a figure, neighbours of a trajectory, CPU seconds of a ladder, rounds of timing.
 _PLAN = 40, 8, 20.0, 5
@@ -28,7 +28,7 @@ def _say(line: str) -> None:
 
 def main() -> None:
     """Run the benchmark that the command line asks for."""
-    parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m verification.bench", description=__doc__)
     parser.add_argument("--quick", action="store_true", help="a rough table within three minutes")
     arguments = parser.parse_args()
     points, neighbours, budget, rounds = _QUICK if arguments.quick else _PLAN

@@ -14,9 +14,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from benchmarks.problems import SEED, Problem, neighbours
 from study.config import load_study, study_path
 from study.plans import sweep_of
+from verification.bench.problems import SEED, Problem, neighbours
 from verification.independent.motion import LEFT, RIGHT, Device, body
 from vibralign import Batch, Outcome, Parameters, Scene, Settings, align, simulate
 

@@ -17,14 +17,14 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.methods import METHODS
-from benchmarks.methods.base import Method, NotReachedError
-from benchmarks.plans import CasePlan, PrecisionPlan
-from benchmarks.problems import Floats, Problem, Solution, Verdict, last_state, neighbours
 from model.events.outcomes import Outcome
 from model.physics.parameters import Batch, Parameters
 from model.physics.variants import Variants
 from study.csv_tables import read_records, records_text
+from verification.bench.methods import METHODS
+from verification.bench.methods.base import Method, NotReachedError
+from verification.bench.plans import CasePlan, PrecisionPlan
+from verification.bench.problems import Floats, Problem, Solution, Verdict, last_state, neighbours
 from verification.independent import solve
 
 _COARSER_TRUTH = 100.0  # tolerance of the second true run over that of the first

@@ -5,9 +5,9 @@ from math import ceil, inf, isnan
 import numpy as np
 import pytest
 
-from benchmarks.methods.by_hand import outside_of, solve_by_hand
-from benchmarks.methods.scipy_unlocated import ScipyUnlocated
-from benchmarks.problems import Problem, Verdict
+from verification.bench.methods.by_hand import outside_of, solve_by_hand
+from verification.bench.methods.scipy_unlocated import ScipyUnlocated
+from verification.bench.problems import Problem, Verdict
 from vibralign import Batch, Settings, Variants, align
 
 COST = {"rk4": 4, "semi_implicit_euler": 1}

@@ -5,7 +5,6 @@ from math import cos, sin, tan
 import numpy as np
 import pytest
 
-from benchmarks.methods import by_hand
 from model.compile.entries import compiled
 from model.engine.scalar.step import state_of
 from model.events.event_functions import edge_inside
@@ -20,6 +19,7 @@ from model.physics.modes import (
 )
 from model.physics.motion import motion
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
+from verification.bench.methods import by_hand
 from vibralign import Variants
 
 ROUNDING = 1e-12  # relative to 1 + the largest acceleration; loads are of order 10

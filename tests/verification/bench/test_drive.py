@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 
-from benchmarks.equations import FACE_END, OPEN, SLIDE_NEGATIVE
-from benchmarks.methods.base import NotReachedError
-from benchmarks.methods.scipy_ivp import drive
-from benchmarks.problems import Problem
-from benchmarks.trajectories import W1
+from verification.bench.equations import FACE_END, OPEN, SLIDE_NEGATIVE
+from verification.bench.methods.base import NotReachedError
+from verification.bench.methods.scipy_ivp import drive
+from verification.bench.problems import Problem
+from verification.bench.trajectories import W1
 from vibralign import Settings
 
 PROBLEM = Problem("p", (W1,), Settings(horizon=10.0))

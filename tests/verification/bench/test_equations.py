@@ -1,9 +1,6 @@
 import numpy as np
 import pytest
 
-from benchmarks import equations as peer
-from benchmarks.equations import device
-from benchmarks.trajectories import W1, W3
 from model.physics.modes import (
     CLOSED,
     OPEN,
@@ -18,6 +15,9 @@ from model.physics.modes import (
 from model.physics.motion import motion
 from model.physics.notation import State
 from model.physics.parameters import Constants
+from verification.bench import equations as peer
+from verification.bench.equations import device
+from verification.bench.trajectories import W1, W3
 from vibralign import Batch, Parameters, Variants
 
 

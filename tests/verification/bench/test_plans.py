@@ -2,8 +2,8 @@
 
 import pytest
 
-from benchmarks.plans import precision_plan
 from study.config import Study, load_study, study_path
+from verification.bench.plans import precision_plan
 
 
 @pytest.fixture(scope="module")

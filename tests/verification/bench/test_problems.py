@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 
-from benchmarks.methods.base import typical_error
-from benchmarks.problems import Problem, last_state, neighbours
-from benchmarks.trajectories import W1, W2, W3, drawn_points, only_right_edge
 from model.runs.simulate import simulate_once
 from study.config import load_study, study_path
+from verification.bench.methods.base import typical_error
+from verification.bench.problems import Problem, last_state, neighbours
+from verification.bench.trajectories import W1, W2, W3, drawn_points, only_right_edge
 from verification.independent import solve
 from vibralign import Batch, Outcome, Parameters, Scene, Settings, align, simulate
 

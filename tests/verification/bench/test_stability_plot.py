@@ -5,10 +5,17 @@ import math
 import pytest
 from matplotlib.colors import to_hex
 
-from benchmarks.methods import METHODS
-from benchmarks.problems import Verdict
-from benchmarks.report.stability_plot import FILLS, INACCURATE, KEPT, OUTCOME, cell, stability
-from benchmarks.work_precision import Setting
+from verification.bench.methods import METHODS
+from verification.bench.problems import Verdict
+from verification.bench.report.stability_plot import (
+    FILLS,
+    INACCURATE,
+    KEPT,
+    OUTCOME,
+    cell,
+    stability,
+)
+from verification.bench.work_precision import Setting
 
 NAN = math.nan
 

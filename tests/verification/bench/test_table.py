@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.methods.base import Method, NotReachedError
-from benchmarks.problems import Problem, Solution
-from benchmarks.table import TARGET, TOLERANCES, Row, compare, loosest, text, write
-from benchmarks.trajectories import W1, W2
+from verification.bench.methods.base import Method, NotReachedError
+from verification.bench.problems import Problem, Solution
+from verification.bench.table import TARGET, TOLERANCES, Row, compare, loosest, text, write
+from verification.bench.trajectories import W1, W2
 from vibralign import Parameters, Settings, simulate
 
 

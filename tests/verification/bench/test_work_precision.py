@@ -6,12 +6,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks import work_precision
-from benchmarks.methods import METHODS
-from benchmarks.methods.package import Package
-from benchmarks.plans import CasePlan, PrecisionPlan, precision_plan
-from benchmarks.problems import Floats, Solution, Verdict
-from benchmarks.work_precision import (
+from model.events.outcomes import Outcome
+from model.physics.parameters import Parameters
+from model.runs.simulate import simulate
+from study.config import load_study, study_path
+from verification.bench import work_precision
+from verification.bench.methods import METHODS
+from verification.bench.methods.package import Package
+from verification.bench.plans import CasePlan, PrecisionPlan, precision_plan
+from verification.bench.problems import Floats, Solution, Verdict
+from verification.bench.work_precision import (
     Setting,
     Truth,
     cpu_microseconds,
@@ -24,10 +28,6 @@ from benchmarks.work_precision import (
     table_of,
     true_run,
 )
-from model.events.outcomes import Outcome
-from model.physics.parameters import Parameters
-from model.runs.simulate import simulate
-from study.config import load_study, study_path
 from verification.independent import solve
 
 STATE = np.zeros(6)

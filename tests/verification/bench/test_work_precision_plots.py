@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from benchmarks.methods import METHODS
-from benchmarks.plans import PICTURES
-from benchmarks.problems import Verdict
-from benchmarks.report import work_precision_plots
-from benchmarks.report.advice import advice, nearest, needs
-from benchmarks.report.work_precision_plots import (
+from verification.bench.methods import METHODS
+from verification.bench.plans import PICTURES
+from verification.bench.problems import Verdict
+from verification.bench.report import work_precision_plots
+from verification.bench.report.advice import advice, nearest, needs
+from verification.bench.report.work_precision_plots import (
     CAPTIONS,
     evaluations_over_error,
     time_over_error,

@@ -6,13 +6,13 @@ in ``peers`` for ``make bench``.
 
 from collections.abc import Mapping
 
-from benchmarks.methods.base import Method
-from benchmarks.methods.by_hand import FixedSteps
-from benchmarks.methods.package import BatchEngine, Package
-from benchmarks.methods.scipy_unlocated import ScipyUnlocated
-from benchmarks.problems import Problem
 from model.physics.parameters import Parameters
 from model.runs.settings import Settings
+from verification.bench.methods.base import Method
+from verification.bench.methods.by_hand import FixedSteps
+from verification.bench.methods.package import BatchEngine, Package
+from verification.bench.methods.scipy_unlocated import ScipyUnlocated
+from verification.bench.problems import Problem
 
 _TOGETHER = 16  # runs that spread the cost of a call, where they are short
 

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from benchmarks.problems import Floats, Problem, Solution
 from model.physics.parameters import Parameters
+from verification.bench.problems import Floats, Problem, Solution
 
 
 class NotReachedError(Exception):

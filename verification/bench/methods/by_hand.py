@@ -18,8 +18,6 @@ from typing import Literal
 
 import numpy as np
 
-from benchmarks.methods.base import Method
-from benchmarks.problems import Problem, Solution, Verdict
 from model.compile.entries import compiled
 from model.compile.kernels import inlined_kernel, kernel
 from model.engine.lifecycle import start
@@ -45,6 +43,8 @@ from model.physics.motion import never_sticks
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, STATE_SIZE, State
 from model.physics.parameters import Batch, Parameters
 from model.runs.settings import Settings
+from verification.bench.methods.base import Method
+from verification.bench.problems import Problem, Solution, Verdict
 
 _EVERY_CONTACT, _EVENTS = in_kernels(ALIGNMENT)
 

@@ -12,7 +12,7 @@ import heyoka as hy
 import llvmlite.binding as ll
 import numpy as np
 
-from benchmarks.equations import (
+from verification.bench.equations import (
     ALIGNED,
     DEVICE_SIZE,
     MODES,
@@ -26,8 +26,8 @@ from benchmarks.equations import (
     next_mode,
     start,
 )
-from benchmarks.methods.base import Method, NotReachedError
-from benchmarks.problems import Problem, Solution
+from verification.bench.methods.base import Method, NotReachedError
+from verification.bench.problems import Problem, Solution
 from vibralign import Parameters
 
 _BATCH = 1024  # trajectories in a call: few lanes are empty at the end

@@ -6,8 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from benchmarks.methods.base import Method
-from benchmarks.problems import Floats, Problem, Solution, failure_of, simulated
 from model.compile.entries import compiled
 from model.engine import scheduling
 from model.engine.lane_events import lane_events_of
@@ -22,6 +20,8 @@ from model.runs.align import align, run_once
 from model.runs.engines import Engine, batch_engine
 from model.runs.errors import estimate
 from model.runs.settings import Settings
+from verification.bench.methods.base import Method
+from verification.bench.problems import Floats, Problem, Solution, failure_of, simulated
 
 _begin_all, _integrate_all = compiled(scheduling.begin_all), compiled(scheduling.integrate_all)
 

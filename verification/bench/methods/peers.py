@@ -3,8 +3,8 @@
 import importlib
 from collections.abc import Callable
 
-from benchmarks.methods.base import Method
-from benchmarks.methods.package import OneRun, Package
+from verification.bench.methods.base import Method
+from verification.bench.methods.package import OneRun, Package
 
 # (module, class, arguments) of methods that no other beats on all problems; and RK45, because it is
 # scipy's default (decision 8).
@@ -28,7 +28,7 @@ def all_methods(say: Callable[[str], None]) -> list[Method]:
     ]
     for module, name, arguments in _PEERS:
         try:
-            peer = importlib.import_module(f"benchmarks.methods.{module}")
+            peer = importlib.import_module(f"verification.bench.methods.{module}")
             methods.append(getattr(peer, name)(*arguments))
         except ImportError as error:
             say(f"{' '.join((name, *arguments))}: not installed ({error})")

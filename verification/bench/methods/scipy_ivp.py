@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from benchmarks.equations import (
+from verification.bench.equations import (
     ALIGNED,
     EVENTS,
     device,
@@ -20,8 +20,8 @@ from benchmarks.equations import (
     rates_in,
     start,
 )
-from benchmarks.methods.base import Method, NotReachedError
-from benchmarks.problems import Problem, Solution
+from verification.bench.methods.base import Method, NotReachedError
+from verification.bench.problems import Problem, Solution
 from vibralign import Parameters
 
 _MOST_EVENTS = 20_000  # of one trajectory; W3 has about 1,000

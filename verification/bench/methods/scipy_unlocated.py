@@ -11,12 +11,12 @@ from dataclasses import replace
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from benchmarks.methods.base import Method
-from benchmarks.methods.by_hand import outside_of, solve_by_hand, write_rates
-from benchmarks.problems import Floats, Problem, Solution, Verdict
 from model.compile.entries import bound
 from model.physics.notation import STATE_SIZE
 from model.physics.parameters import Batch, Parameters
+from verification.bench.methods.base import Method
+from verification.bench.methods.by_hand import outside_of, solve_by_hand, write_rates
+from verification.bench.problems import Floats, Problem, Solution, Verdict
 
 _NOT_YET = float(np.finfo(float).tiny)
 

@@ -1,5 +1,5 @@
 """Section of the report on the comparison of methods, and its figures."""
 
-from benchmarks.report import speed
+from verification.bench.report import speed
 
 SECTIONS = (speed.section,)

@@ -4,9 +4,9 @@ import math
 from collections.abc import Collection, Mapping, Sequence
 from itertools import takewhile
 
-from benchmarks.methods import METHODS
-from benchmarks.problems import Verdict
-from benchmarks.work_precision import Setting
+from verification.bench.methods import METHODS
+from verification.bench.problems import Verdict
+from verification.bench.work_precision import Setting
 from vibralign.plots.words import power, short
 
 FINE, COARSE = 1e-8, 1e-5  # the errors at which methods are compared

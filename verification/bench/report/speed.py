@@ -6,15 +6,15 @@ from pathlib import Path
 
 from markupsafe import Markup
 
-from benchmarks.methods import METHODS
-from benchmarks.plans import PICTURES
-from benchmarks.report.advice import COARSE, FINE, advice, ladders, nearest, needs
-from benchmarks.report.checks import CHECKS, HEAD
-from benchmarks.report.work_precision_plots import CAPTIONS
-from benchmarks.work_precision import Setting, read_settings
 from model.engine.series_layout import ORDER
 from study.config.study import Study
 from study.report.section import Results, Section, Table, link, settings_of, subscripts
+from verification.bench.methods import METHODS
+from verification.bench.plans import PICTURES
+from verification.bench.report.advice import COARSE, FINE, advice, ladders, nearest, needs
+from verification.bench.report.checks import CHECKS, HEAD
+from verification.bench.report.work_precision_plots import CAPTIONS
+from verification.bench.work_precision import Setting, read_settings
 from vibralign.plots.words import figure_title, number, power
 
 

@@ -8,10 +8,10 @@ from typing import Any
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
-from benchmarks.methods import METHODS
-from benchmarks.problems import Verdict
-from benchmarks.report.advice import COARSE, ladders, nearest, needs
-from benchmarks.work_precision import Setting
+from verification.bench.methods import METHODS
+from verification.bench.problems import Verdict
+from verification.bench.report.advice import COARSE, ladders, nearest, needs
+from verification.bench.work_precision import Setting
 from vibralign.plots import style
 from vibralign.plots.words import power
 

@@ -8,9 +8,9 @@ from typing import Any
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from benchmarks.methods import METHODS
-from benchmarks.problems import Verdict
-from benchmarks.work_precision import Setting
+from verification.bench.methods import METHODS
+from verification.bench.problems import Verdict
+from verification.bench.work_precision import Setting
 from vibralign.plots import style
 
 # Thick: with event location; orange and purple: fixed steps; the others: scipy.
