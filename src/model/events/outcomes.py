@@ -73,6 +73,7 @@ class Reason(Named):
     BY_PRESS = 19
     NO_TOUCH = 20
     STILL_MOVES = 21
+    ON_FLANK = 22
 
 
 OUTCOME: Any = numbers("OUTCOME", [*Outcome.__members__])(*map(int, Outcome))
@@ -119,6 +120,8 @@ REASON_TEXT: dict[Reason, str] = {
     Reason.STILL_MOVES: "pressed without vibration it has not come to rest within the horizon",
     Reason.NO_TOUCH: "the press does not bring it down to the base within the horizon",
     Reason.BY_PRESS: "by the press alone: no vibration needed",
+    Reason.ON_FLANK: "it is tilted so far, or so far aside, that it meets a flank of the chamfers: "
+    "that is not modelled",
 }
 
 UNVIBRATED_TEXT: dict[Unvibrated, str] = {
@@ -156,6 +159,7 @@ _REMEDY_OF_REASON: dict[Reason, str] = {
     Reason.STILL_MOVES: "raise the damping of the suspension, or the horizon",
     Reason.NO_TOUCH: "raise press_force",
     Reason.BY_PRESS: "none needed",
+    Reason.ON_FLANK: "widen the chamfers, or raise tilt_stiffness so that it tilts less",
     Reason.NO_FRICTION_SOLUTION: "use the consistent readings normal_sign and side_force, under "
     "which friction always has a solution",
 }
