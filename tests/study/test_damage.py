@@ -73,10 +73,14 @@ class Page:
     def __init__(self, folder: Path, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
         made = WebAssembly(b"\0asm" + bytes(range(200)), stack=0)
         declared = in_browser._Declared(None, {"given": np.zeros(1)})
-        monkeypatch.setattr(in_browser, "_declared", lambda _: declared)
-        monkeypatch.setattr(in_browser, "_compile_apart", in_browser._compile)
+        monkeypatch.setattr(in_browser, "_declared", lambda *_: declared)
+        monkeypatch.setattr(
+            in_browser,
+            "_compile_apart",
+            lambda folder, shape, scene: in_browser._compile(folder, shape, scene.name),
+        )
         monkeypatch.setattr(in_browser, "web_assembly_of", lambda _: made)
-        monkeypatch.setattr(in_browser, "_folder", lambda _: folder / "webassembly")
+        monkeypatch.setattr(in_browser, "_folder", lambda *_: folder / "webassembly")
         self.path = folder / "webassembly" / name
         self.use()
 

@@ -15,6 +15,7 @@ from model.compile.kernels import inlined_kernel, kernel
 from model.compile.vector_code import WIDTH, each_lane
 from model.engine.levels import Level, bound_in, coefficient_in, level_in, levels_of
 from model.engine.mode_kinds import (
+    ALIGNMENT_KINDS,
     MODES_OF_A_KIND,
     USUAL_KINDS,
     ModeKind,
@@ -163,13 +164,15 @@ def lane_events_of(
 ) -> LaneEvents:
     """Return the events of a table as the kernels of lanes take them, in a variant (``Variants``).
 
-    Those of a page are ``is_resident``, see ``Series``: it holds ``USUAL_KINDS`` only.
+    Those of a page are ``is_resident``, see ``Series``: it holds the usual kinds of modes only.
 
     Raises:
         ValueError: an event applies in a mode that lanes hold, but they lack its quantities, or not
             in all modes of its kind and number.
     """
-    kinds = USUAL_KINDS if is_resident else kinds_of(events.inserts)
+    kinds = kinds_of(events.inserts)
+    if is_resident:
+        kinds = USUAL_KINDS if events.inserts else ALIGNMENT_KINDS
     symbols = symbols_of(events.constants, switches)
     masks, found = np.zeros((len(kinds), MODES_OF_A_KIND), np.int64), []
     for numbered in events.all:

@@ -80,7 +80,7 @@ _GATHERED = (
     (SIDE_SIGN, MODE + Mode._fields.index("side_slip")),
     (CORNER_OFFSET, MODE + Mode._fields.index("corner_offset")),
     (workspace.TIME, AT.time),
-    (workspace.DEADLINE, AT.deadline),
+    (workspace.HALT, AT.halt),
     (workspace.TOLERANCE, AT.tolerance),
     (workspace.LONGEST, AT.next_step),
 )
@@ -151,9 +151,9 @@ def _advance(scene, lanes, until, history, control, track, w, lane, runs, i):
     if not continues:
         until = (runs[i, AT.time] - start) / length
     mode, tilt = mode_of_lane(lanes, w, lane), 0.0
-    at_deadline = until == 1.0 and length == runs[i, AT.deadline] - start
+    halts = until == 1.0 and length == runs[i, AT.halt] - start
     if continues:
-        runs[i, AT.time] = runs[i, AT.deadline] if at_deadline else start + until * length
+        runs[i, AT.time] = runs[i, AT.halt] if halts else start + until * length
     if track.shape[0] > 0:
         track_step(scene.events, track, start, until, w, lane, runs, i)
     if control.alignment_only == 0.0:

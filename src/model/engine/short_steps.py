@@ -52,7 +52,8 @@ def step_without_series(scene, control, history, runs, i):
         fail(scene, runs, i, REASON.NOT_FINITE)
         return
     end, difference, found = q, STILL, False
-    length = min(_RADIANS / (1.0 + contact_rate(p, mode)), 0.5 * (runs[i, AT.stop] - time))
+    until = min(runs[i, AT.stop], runs[i, AT.halt])
+    length = min(_RADIANS / (1.0 + contact_rate(p, mode)), 0.5 * (until - time))
     while length > 0.0 and not (found or is_too_short(length, time)):
         end = _two_steps(time, length, q, p, mode)
         difference = moved(end, -1.0, short_step(time, length, q, p, mode))

@@ -33,7 +33,7 @@ from model.events.insertion import INSERTION
 from model.events.kernels import SceneEvents, in_kernels
 from model.events.scenes import Scene
 from model.physics.parameters import PARAMETER_NAMES, Constants, Given, Shape, resolved
-from model.runs.settings import Settings
+from model.runs.settings import SCENES, Settings
 
 # ------------------------------------------------------------------------------------------ kernels
 
@@ -84,12 +84,12 @@ class _Declared(NamedTuple):
     arguments: dict[str, Any]
 
 
-def _declared(is_round: bool) -> _Declared:
-    """Return the function, of the insertion scene."""
-    scene = in_kernels(INSERTION, is_round)
-    lanes = lane_events_of(scene.events, is_resident=True)
+def _declared(is_round: bool, scene: Scene) -> _Declared:
+    """Return the function, of a scene."""
+    declared = in_kernels(scene, is_round)
+    lanes = lane_events_of(declared.events, is_resident=True)
     return _Declared(
-        _run(scene, lanes),
+        _run(declared, lanes),
         {
             "given": np.zeros((1, len(PARAMETER_NAMES))),
             "limits": np.zeros(1 + len(Control._fields)),
@@ -151,47 +151,49 @@ def interface(scene: Scene = INSERTION, shape: Shape = "square") -> dict[str, An
 WIDTH_OF_PAGES = 2  # WebAssembly's vectors have 128 bits (decision 61)
 
 
-def _compile_apart(folder: Path, shape: Shape) -> None:
+def _compile_apart(folder: Path, shape: Shape, scene: Scene) -> None:
     """Write the modules and their interface into ``folder``, from a process of their own width."""
     paths = [str(PACKAGE.parent), os.environ.get("PYTHONPATH", "")]
     variables = {"VIBRALIGN_WIDTH": str(WIDTH_OF_PAGES), "PYTHONPATH": os.pathsep.join(paths)}
     program = "from model.runs.in_browser import _compile; import pathlib, sys; "
-    program += "_compile(pathlib.Path(sys.argv[1]), sys.argv[2])"
-    arguments = [sys.executable, "-c", program, str(folder), shape]
+    program += "_compile(pathlib.Path(sys.argv[1]), *sys.argv[2:])"
+    arguments = [sys.executable, "-c", program, str(folder), shape, scene.name]
     subprocess.run(arguments, env={**os.environ, **variables}, check=True)
 
 
-def _compile(folder: Path, shape: Shape) -> None:
+def _compile(folder: Path, shape: Shape, scene_name: str) -> None:
     """Write the module and its interface into ``folder``."""
-    function = _declared(shape == "round")
+    scene = SCENES[scene_name]
+    function = _declared(shape == "round", scene)
     types = tuple(flattened(each, []) for each in function.arguments.values())
     made = web_assembly_of((function.kernel, types))
     sha256 = hashlib.sha256(made.binary).hexdigest()
     stated = {"stack": made.stack, "arguments": _layout(function), "sha256": sha256}
     (folder / "engine.wasm").write_bytes(made.binary)
-    (folder / "interface.json").write_text(json.dumps(interface(shape=shape) | stated))
+    (folder / "interface.json").write_text(json.dumps(interface(scene, shape) | stated))
 
 
-def _folder(shape: Shape) -> Path:
-    return cache_folder() / "webassembly" / f"{shape}_{digest_of(_compile, WIDTH_OF_PAGES, shape)}"
+def _folder(shape: Shape, scene: Scene) -> Path:
+    digest = digest_of(_compile, WIDTH_OF_PAGES, shape, scene.name)
+    return cache_folder() / "webassembly" / f"{shape}_{scene.name}_{digest}"
 
 
-def is_cached(shape: Shape = "square") -> bool:
+def is_cached(shape: Shape = "square", scene: Scene = INSERTION) -> bool:
     """Return whether the module is compiled already."""
-    return _folder(shape).exists()
+    return _folder(shape, scene).exists()
 
 
-def module_for(shape: Shape = "square") -> Module:
-    """Return the module for parts of a shape, compiled unless it is cached.
+def module_for(shape: Shape = "square", scene: Scene = INSERTION) -> Module:
+    """Return the module for parts of a shape in a scene, compiled unless it is cached.
 
     Raises:
         OSError: no folder for temporary files can be written.
     """
-    folder = _folder(shape)
+    folder = _folder(shape, scene)
     if (kept := _kept(folder)) is not None:
         return kept
     with tempfile.TemporaryDirectory() as made:
-        _compile_apart(Path(made), shape)
+        _compile_apart(Path(made), shape, scene)
         compiled = _kept(Path(made))
         with contextlib.suppress(OSError):  # a read-only cache, or another process was faster
             shutil.rmtree(folder, ignore_errors=True)  # damaged

@@ -15,7 +15,7 @@ PEG = str(Path(__file__).parents[2] / "square" / "peg.yaml")
 @pytest.fixture
 def engine(monkeypatch: pytest.MonkeyPatch) -> None:
     """An engine that is not compiled."""
-    monkeypatch.setattr(in_browser, "module_for", lambda _: Module(b"one", interface()))
+    monkeypatch.setattr(in_browser, "module_for", lambda *_: Module(b"one", interface()))
 
 
 def model_in(page: Path) -> dict:

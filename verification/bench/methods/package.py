@@ -1,0 +1,59 @@
+"""The package as a method: ``align``, and single runs."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from model.physics.parameters import Batch, Parameters
+from model.runs.align import align, run_once
+from model.runs.settings import Settings
+from verification.bench.methods.base import Method
+from verification.bench.problems import Problem, Solution, simulated
+
+
+class Package(Method):
+    """``align``: all events located, with an error estimate, mostly in one run of a set."""
+
+    formulation = "align, with error estimate"
+    vectorized = True
+
+    def __init__(self, name: str, batch: int = 1024) -> None:
+        self.name, self.batch = name, batch
+
+    def solve(
+        self, problem: Problem, cases: Sequence[Parameters], resolution: float, _deadline: float, /
+    ) -> Solution:
+        """As ``Method.solve``."""
+        runs = align(cases, _settings(problem, resolution), cores=1)
+        return _of_times(problem, runs.tau_align, runs.rhs_evaluations)
+
+    def answer(self, problem: Problem, resolution: float, deadline: float = math.inf) -> Solution:
+        """As ``Method.answer``."""
+        if problem.checkpoints:
+            return simulated(problem, _settings(problem, resolution))
+        return super().answer(problem, resolution, deadline)
+
+
+class OneRun(Package):
+    """The package used like a peer: one run of a set up to alignment, no error estimate."""
+
+    formulation = "one run each up to alignment, no error estimate"
+
+    def solve(
+        self, problem: Problem, cases: Sequence[Parameters], resolution: float, _deadline: float, /
+    ) -> Solution:
+        """As ``Method.solve``."""
+        settings = replace(_settings(problem, resolution), alignment_only=True, may_settle=False)
+        runs = run_once(Batch.stack(cases), settings, cores=1)
+        return _of_times(problem, runs["tau_align"], runs["rhs_evaluations"])
+
+
+def _settings(problem: Problem, resolution: float) -> Settings:
+    return replace(problem.settings, tolerance=resolution)
+
+
+def _of_times(problem: Problem, tau: np.ndarray, evaluations: np.ndarray) -> Solution:
+    states = np.full((tau.size, len(problem.stops), 6), math.nan)
+    return Solution(tau, states, int(evaluations.sum()))
