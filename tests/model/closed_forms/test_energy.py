@@ -212,19 +212,24 @@ def test_random_runs_of_every_outcome_balance(device):
     # The whole domain; and devices too soft to align, which have the time to settle.
     settings = Settings(tolerance=1e-13, horizon=3.0, max_evaluations=20_000)
     wild, rng = draw(11, 0, 200), np.random.default_rng(3)
-    found = [balance(wild[row], settings) for row in range(200)]
+    parts = [wild[row] for row in range(200)]
+    found = [balance(each, settings) for each in parts]
     for _ in range(30):
         soft = device.replace(
             tilt_stiffness=rng.uniform(2.0, 6.0), press_force=rng.uniform(0.5, 4.0),
             frequency=10.0 ** rng.uniform(-0.3, 1.0), friction=rng.uniform(0.02, 0.3),
         )  # fmt: skip
+        parts.append(soft)
         found.append(balance(soft, replace(settings, horizon=100.0, max_evaluations=10**6)))
     # What ran up to its alignment has not ended.
     outcomes = {Outcome(int(run.outcome)) if run.outcome >= 0.0 else None for run in found}
     in_slot = {Outcome.INSERTED, Outcome.JAMMED, Outcome.CLIMBED_OUT}
     assert outcomes == {None, *Outcome} - {Outcome.ALIGNED} - in_slot
-    scaled = np.array([abs(run.missing) / run.exchanged for run in found])
-    assert scaled.max() < 1e-11  # a hundred tolerances
+    # A hundred tolerances, and what a state's rounding leaves unknown of the loads on a hard base,
+    # by which the power is judged at some thousand places: at any tolerance of the run.
+    for run, part in zip(found, parts, strict=True):
+        load = np.finfo(float).eps * part.contact_stiffness * (part.half_width + part.half_height)
+        assert abs(run.missing) < 1e-11 * run.exchanged + 0.1 * load
 
 
 def test_stiff_runs_balance(device):
