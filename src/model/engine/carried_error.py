@@ -12,7 +12,7 @@ Input: the workspace after ``step_all``, and the run's record. Output: the error
 
 from math import inf
 
-from model.compile.kernels import inlined_kernel, kernel
+from model.compile.kernels import inlined_kernel, kernel, separate_kernel
 from model.compile.vector_code import WIDTH, each_lane
 from model.engine import workspace
 from model.engine.rates import STILL, moved, rates_at
@@ -58,7 +58,7 @@ def _error_after(length, w, lane):
     return moved(error, length ** (ORDER + 1), omitted)
 
 
-@kernel
+@separate_kernel
 def errors_at_ends(lanes, w):
     """Write the errors at the ends of the steps of all lanes, without slip where contacts stick."""
     for i in each_lane():
@@ -117,7 +117,7 @@ def _is_continuous(kind, before, after):
     )
 
 
-@kernel
+@separate_kernel
 def apply_saltation(events, which, q, before, runs, i):
     """Carry the error of run ``i`` through the event ``which``, after the change of its mode.
 
@@ -141,7 +141,7 @@ def apply_saltation(events, which, q, before, runs, i):
     runs[i, AT.largest_error] = max(runs[i, AT.largest_error], _size(error))
 
 
-@kernel
+@separate_kernel
 def error_of_time(events, which, q, before, runs, i):
     """Return a bound of the error of the time of an event at ``q`` that ends the mode ``before``.
 

@@ -13,7 +13,7 @@ from math import floor
 
 import numpy as np
 
-from model.compile.kernels import inlined_kernel, kernel
+from model.compile.kernels import inlined_kernel, kernel, separate_kernel
 from model.compile.vector_code import WIDTH, each_lane
 from model.engine.carried_error import errors_at_ends
 from model.engine.lane_events import (
@@ -278,7 +278,7 @@ def _end_steps(lanes, w):
         store_state_in_lane(end, w, END, i)
 
 
-@kernel
+@separate_kernel
 def step_all(lanes, kind, applicable, control, addresses, w):
     """Make one step in every lane, and find the candidates for events in it.
 
