@@ -12,12 +12,14 @@ Input: the workspace after ``step_all``, and the run's record. Output: the error
 
 from math import inf
 
+import numpy as np
+
 from model.compile.kernels import inlined_kernel, kernel, separate_kernel
 from model.compile.vector_code import WIDTH, each_lane
 from model.engine import workspace
 from model.engine.rates import STILL, moved, rates_at
 from model.engine.record import AT, ERROR, constants_of, mode_of, state_in, store_state_in
-from model.engine.series_layout import ERROR_ORDER, LINES, ORDER, REMAINDER
+from model.engine.series_layout import ERROR_ORDERS, LINES, MOST_ERROR_ORDER, ORDER, REMAINDER
 from model.engine.workspace import (
     constants_of_lane,
     mode_of_lane,
@@ -48,12 +50,14 @@ def _size(q):
 @inlined_kernel
 def _error_after(length, w, lane):
     """The error at ``length`` after the step's start; it grows by the terms that series omit."""
-    error, omitted = STILL, STILL
-    for order in range(ERROR_ORDER, -1, -1):
+    error, omitted, last = STILL, STILL, w[workspace.ERROR_ORDER * WIDTH + lane]
+    for order in reversed(range(MOST_ERROR_ORDER + 1)):
+        if order in ERROR_ORDERS[:-1]:  # what other lanes need beyond is left out
+            error = State(*(np.where(order < last, each, 0.0) for each in error))
         known = state_in_lane(w, workspace.ERROR + order * LINES, lane)
         error = moved(known, length, error)
-    for order in range(ORDER + REMAINDER, ORDER, -1):
-        term = state_in_lane(w, workspace.COEFFICIENTS + order * LINES, lane)
+    for further in range(ORDER + REMAINDER, ORDER, -1):
+        term = state_in_lane(w, workspace.COEFFICIENTS + further * LINES, lane)
         omitted = moved(term, length, omitted)
     return moved(error, length ** (ORDER + 1), omitted)
 
