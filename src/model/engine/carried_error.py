@@ -29,7 +29,7 @@ from model.engine.workspace import (
 from model.events.friction import hold_sticking, without_slip
 from model.events.kernels import kind_of, level
 from model.events.table import OF_LENGTH
-from model.physics.modes import STICKING
+from model.physics.modes import CLOSED, STICKING
 from model.physics.motion import is_beside, is_supported
 from model.physics.notation import STATE_SIZE, State
 
@@ -107,6 +107,27 @@ def _keeps_friction(presses, slip, presses_after, slip_after):
 
 
 @inlined_kernel
+def _has_the_same_forces(before, after):
+    """Return whether the same contacts press before and after an event, and slip the same way.
+
+    Then a gap has opened, or a stage of the fall has passed: a displaced run moves as this one.
+    """
+    return (
+        (before.face == CLOSED) == (after.face == CLOSED)
+        and (before.corner == CLOSED) == (after.corner == CLOSED)
+        and (before.side == CLOSED) == (after.side == CLOSED)
+        and (before.wall == CLOSED) == (after.wall == CLOSED)
+        and before.support_slip == after.support_slip
+        and before.side_slip == after.side_slip
+        and before.slip_at_corner == after.slip_at_corner
+        and before.slip_at_wall == after.slip_at_wall
+        and before.corner_offset == after.corner_offset
+        and (before.edge == after.edge or not is_supported(before))
+        and (before.in_slot == after.in_slot or not is_supported(before))
+    )
+
+
+@inlined_kernel
 def _is_continuous(kind, before, after):
     """Return whether forces and velocities, and with them the error, are continuous at an event.
 
@@ -130,7 +151,9 @@ def apply_saltation(events, which, q, before, runs, i):
     time, p, after = runs[i, AT.time], constants_of(events, runs, i), mode_of(runs, i)
     error = state_in(runs, ERROR, i)
     size = _size(error)
-    if not 0.0 < size < inf or _is_continuous(kind_of(events, which), before, after):
+    if not 0.0 < size < inf or _has_the_same_forces(before, after):
+        return
+    if _is_continuous(kind_of(events, which), before, after):
         return
     rates, rates_after = rates_at(time, q, p, before), rates_at(time, q, p, after)
     unit = moved(STILL, 1.0 / size, error)
