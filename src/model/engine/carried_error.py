@@ -12,8 +12,6 @@ Input: the workspace after ``step_all``, and the run's record. Output: the error
 
 from math import inf
 
-import numpy as np
-
 from model.compile.kernels import inlined_kernel, kernel, separate_kernel
 from model.compile.vector_code import WIDTH, each_lane
 from model.engine import workspace
@@ -53,7 +51,7 @@ def _error_after(length, w, lane):
     error, omitted, last = STILL, STILL, w[workspace.ERROR_ORDER * WIDTH + lane]
     for order in reversed(range(MOST_ERROR_ORDER + 1)):
         if order in ERROR_ORDERS[:-1]:  # what other lanes need beyond is left out
-            error = State(*(np.where(order < last, each, 0.0) for each in error))
+            error = State(*(each if order < last else 0.0 for each in error))
         known = state_in_lane(w, workspace.ERROR + order * LINES, lane)
         error = moved(known, length, error)
     for further in range(ORDER + REMAINDER, ORDER, -1):

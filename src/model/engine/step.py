@@ -136,7 +136,7 @@ def _set_error_orders(lanes, w):
         turned = w[STEP_LENGTH * WIDTH + i] * largest_rate(p, mode)
         order = 0.0
         for enough, most in reversed(tuple(zip(ERROR_ORDERS, _MOST_TURNED, strict=True))):
-            order = np.where(turned <= most, float(enough), order)
+            order = float(enough) if turned <= most else order
         w[ERROR_ORDER * WIDTH + i] = order
 
 
