@@ -20,7 +20,6 @@ from model.physics.parameters import Parameters
 from verification.independent.solution import Solution, solve
 
 TABLE = Path(__file__).with_suffix(".csv")
-_CODE = ("crossings", "motion", "solution")
 
 
 def key_of(parameters: Parameters, horizon: float) -> str:
@@ -39,8 +38,9 @@ def key_of(parameters: Parameters, horizon: float) -> str:
 
 @cache
 def _code() -> str:
-    sources = ((TABLE.parent / f"{name}.py").read_text(encoding="utf-8") for name in _CODE)
-    return repr([outline(ast.parse(source), []) for source in sources])
+    """Return the code of this folder but this file."""
+    sources = sorted({*TABLE.parent.glob("*.py")} - {Path(__file__)})
+    return repr([outline(ast.parse(each.read_text(encoding="utf-8")), []) for each in sources])
 
 
 @cache
