@@ -9,7 +9,7 @@ twice, once for each sign of its argument.
 
 from math import inf
 
-from model.compile.kernels import inlined_kernel, kernel
+from model.compile.kernels import inlined_kernel, kernel, separate_kernel
 from model.compile.vector_code import WIDTH
 from model.engine.lane_events import QUANTITIES, TERMS, enter_series, has_absolute
 from model.engine.series_layout import FRACTIONS, LINES, NODES, ORDER
@@ -293,7 +293,7 @@ def _is_refused(lanes, which, theta, series, w, lane):
     )  # fmt: skip
 
 
-@kernel
+@separate_kernel
 def first_event(lanes, w, lane, series):
     """Return (which, θ) of the first event in the step; θ = ``NO_EVENT`` if there is none.
 
