@@ -107,13 +107,13 @@ unit: environment
 	$(call check,pytest --numprocesses $(CORES) --dist loadfile --no-loadscope-reorder)
 
 browser-test: environment
-	$(call check,pytest -m browser -rs tests/show/explorer)
+	$(call check,pytest -m browser -rs tests/vibralign/explorer)
 
 # Checks the explorer's scripts for types, from their comments, and unused names; npm fetches TypeScript.
 script-types:
 	@command -v npx >/dev/null || echo "no npx here: the types of the explorer's scripts are not checked"
 	! command -v npx >/dev/null || npx --yes --package typescript@5.9.3 tsc --noEmit --strict --noUnusedLocals --noUnusedParameters --noImplicitReturns --checkJs --allowJs --target es2022 \
-		--lib es2022,dom,dom.iterable src/model/show/explorer/*.js
+		--lib es2022,dom,dom.iterable src/vibralign/explorer/*.js
 
 # On a Slurm of its own.
 slurm-test: environment
@@ -217,7 +217,7 @@ clean:
 	@[ ! -f .snakemake/run.lock ] || $(PYTHON) -c 'import fcntl; \
 		fcntl.flock(open(".snakemake/run.lock"), fcntl.LOCK_SH | fcntl.LOCK_NB)' 2>/dev/null || { \
 		echo "a Snakemake runs the study here: wait for it or stop it" >&2; exit 1; }
-	@[ ! -d .snakemake/slurm_logs ] || $(in_env) python -m model.tracking.slurm
+	@[ ! -d .snakemake/slurm_logs ] || $(in_env) python -m study.tracking.slurm
 	find results -mindepth 1 ! -name README.md -delete
 	rm -rf results-* .snakemake build dist site docs/examples
 	rm -rf .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache

@@ -5,10 +5,10 @@ from pathlib import Path
 from snakemake.exceptions import WorkflowError
 from snakemake.utils import min_version
 
-from model.study.config import COMPUTED, FIGURES, GRIDDED, MAPS, SCHEMATICS
-from model.study.config import ConfigError, check_files, check_study, study_files
-from model.tracking import TrackingError
-from model.tracking.invocation import begin
+from study.config import COMPUTED, FIGURES, GRIDDED, MAPS, SCHEMATICS
+from study.config import ConfigError, check_files, check_study, study_files
+from study.tracking import TrackingError
+from study.tracking.invocation import begin
 
 min_version("9.14")
 

@@ -14,10 +14,10 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from model import Batch, Outcome, Parameters, Settings, align
-from model.study.config import load_study, study_path
+from study.config import load_study, study_path
 from verification.accuracy import TIGHT
 from verification.trials import trial_of
+from vibralign import Batch, Outcome, Parameters, Settings, align
 
 TOLERANCES = (1e-6, 1e-8, 1e-10)
 _SHARE_OF_FREQUENCIES = 0.1  # values of another parameter over those of the frequency

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from model import Parameters
+from vibralign import Parameters
 
 try:
     numba: Any = importlib.import_module("numba")

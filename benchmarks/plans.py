@@ -3,12 +3,12 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from model.study.config.methods import Ladder
 from model.sweeps.axes import Plan
 from model.sweeps.settings import RunSettings
+from study.config.methods import Ladder
 
 if TYPE_CHECKING:
-    from model.study.config.study import Study
+    from study.config.study import Study
 
 # Paths of the pictures, below the results root and without extension.
 PICTURES: Mapping[str, str] = {

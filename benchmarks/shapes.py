@@ -14,12 +14,12 @@ from typing import NamedTuple, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from model import Batch, Outcome, Settings
 from model.engines.results import RunResult
 from model.physics.parameters import Shape
 from model.runs.engines import Engine, engine_for
-from model.study.config import load_study, study_path
+from study.config import load_study, study_path
 from verification.trials import trial_of
+from vibralign import Batch, Outcome, Settings
 
 Floats = NDArray[np.float64]
 ENGINES: tuple[Engine, ...] = get_args(Engine)

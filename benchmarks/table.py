@@ -17,7 +17,7 @@ import numpy as np
 from benchmarks.methods.base import Method, NotReachedError, typical_error
 from benchmarks.problems import Problem
 from benchmarks.work_precision import climbed, cpu_microseconds
-from model.study.csv_tables import records_text
+from study.csv_tables import records_text
 
 TARGET = 1e-8  # true error that nine of ten cases must keep
 TOLERANCES = [float(f"{10.0 ** (half / 2.0):.3g}") for half in range(-8, -29, -1)]

@@ -15,10 +15,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from benchmarks.problems import SEED, Problem, neighbours
-from model import Batch, Outcome, Parameters, Scene, Settings, align, simulate
-from model.study.config import load_study, study_path
-from model.study.plans import sweep_of
+from study.config import load_study, study_path
+from study.plans import sweep_of
 from verification.independent.motion import LEFT, RIGHT, Device, body
+from vibralign import Batch, Outcome, Parameters, Scene, Settings, align, simulate
 
 W1 = Parameters(
     half_width=1.0,

@@ -25,10 +25,10 @@ from numpy.typing import NDArray
 
 from benchmarks.problems import Problem
 from benchmarks.trajectories import with_right_edge_only
-from model import Parameters, Settings, align
-from model.study.config import load_study, study_path
+from study.config import load_study, study_path
 from verification.accuracy import Check, judge_estimate
 from verification.trials import trial_of
+from vibralign import Parameters, Settings, align
 
 Floats = NDArray[np.float64]
 

@@ -24,7 +24,7 @@ from benchmarks.problems import Floats, Problem, Solution, Verdict, last_state, 
 from model.events.outcomes import Outcome
 from model.physics.parameters import Batch, Parameters
 from model.physics.variants import Variants
-from model.study.csv_tables import read_records, records_text
+from study.csv_tables import read_records, records_text
 from verification.independent import solve
 
 _COARSER_TRUTH = 100.0  # tolerance of the second true run over that of the first

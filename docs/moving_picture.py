@@ -15,8 +15,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon, Rectangle
 from PIL import Image
 
-from model import INSERTION, Parameters, Settings, load_device, simulate
-from model.show import style
+from vibralign import INSERTION, Parameters, Settings, load_device, simulate
+from vibralign.plots import style
 
 # Of the frames HELD show the end; PAUSE milliseconds from one to the next.
 FRAMES, HELD, PAUSE = 100, 20, 60

@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from model import Parameters, load_device
-from model.show import style
-from model.show.schematics.sheet import Sheet
+from study.schematics.sheet import Sheet
+from vibralign import Parameters, load_device
+from vibralign.plots import style
 
 _CRESCENT = "#9CC4E4"
 _TILT = 0.03  # of the second pair of curves, in rad

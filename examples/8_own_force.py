@@ -15,19 +15,20 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 
-import model
+import vibralign
 
 ABOVE, TERM = "    press_force: float", "lateral_suspension(q, p),"
 NEW = '    side_pull: float = entry("f_x", "pull of a cable", FORCE, default=0.0)\n'
 EDITS = {"parameters": (ABOVE, NEW + ABOVE), "forces": (TERM, f"{TERM[:-1]} + p.side_pull,")}
-RUN = """import json, model, sys
+RUN = """import json, sys, vibralign
 for pull in sys.argv[1:]:
-    device = model.load_device("peg.yaml", {"side_pull": pull})
-    run = model.simulate(device, horizon=11.0, tolerance=1e-6)
+    device = vibralign.load_device("peg.yaml", {"side_pull": pull})
+    run = vibralign.simulate(device, horizon=11.0, tolerance=1e-6)
     print(json.dumps([run.time.tolist(), run.state[:, 0].tolist()]))"""
 PULLS = ("-0.5 N", "0 N", "0.5 N")
 with tempfile.TemporaryDirectory() as folder:
-    shutil.copytree(Path(model.__file__).parent, Path(folder) / "model")
+    for package in ("model", "vibralign"):
+        shutil.copytree(Path(vibralign.__file__).parents[1] / package, Path(folder) / package)
     for name, edit in EDITS.items():
         file = Path(folder) / f"model/physics/{name}.py"
         file.write_text(file.read_text("utf-8").replace(*edit), "utf-8")

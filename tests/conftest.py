@@ -14,13 +14,14 @@ import pytest
 import xarray as xr
 import yaml
 
-from model import Batch, Parameters, Variants, align, simulate
 from model.physics.parameters import Constants
-from model.study.config import Curves, Map, Study, baseline, check_study, read_study, study_path
 from model.sweeps.axes import Family
 from model.sweeps.io import write_dataset
-from model.tracking.invocation import Invocation
-from model.tracking.job import INVOCATION, write_sidecar
+from study.config import Curves, Map, Study, check_study, read_study, study_path
+from study.tracking.invocation import Invocation
+from study.tracking.job import INVOCATION, write_sidecar
+from vibralign import Batch, Parameters, Variants, align, simulate
+from vibralign.device.paper import baseline
 
 LANE_CONSTANTS = Variants.consistent()
 
@@ -124,7 +125,7 @@ def small_study(fixed_study: Study) -> Callable[[int, int], Study]:
 @pytest.fixture
 def _no_leeways(monkeypatch: pytest.MonkeyPatch) -> None:
     """Leave out the leeways, or the reliable values beside: most runs of an assessment."""
-    module = importlib.import_module("model.device.assess")  # not the function
+    module = importlib.import_module("vibralign.answers.assess")  # not the function
     for name, nothing in {"leeways": (), "nearest": (), "together": {}}.items():
         monkeypatch.setattr(module, name, lambda *_, nothing=nothing: nothing)
 

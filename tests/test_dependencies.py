@@ -11,23 +11,17 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-OWN = {"model", "vibralign", "benchmarks", "verification", "docs", "tests"}
+OWN = {"model", "vibralign", "study", "benchmarks", "verification", "docs", "tests"}
 DISTRIBUTIONS = {
     "PIL": "pillow",
     "yaml": "pyyaml",
 }  # where the import's name differs
 STUDY = ["plot", "study"]
 EXTRAS = {  # of each folder, besides the dependencies of the package
-    **dict.fromkeys(("compile", "physics", "events", "engines", "runs"), ()),
-    "sweeps": STUDY,
-    "device": STUDY,
-    "study": STUDY,
-    "tracking": STUDY,
-    "show": STUDY,
-    "cli": STUDY,
-}
-EXTRAS = {f"src/model/{name}": extras for name, extras in EXTRAS.items()} | {
+    **{f"src/model/{name}": () for name in ("compile", "physics", "events", "engines", "runs")},
+    "src/model/sweeps": STUDY,
     "src/vibralign": STUDY,
+    "src/study": STUDY,
     "workflow": STUDY,
     "verification": STUDY,
     "benchmarks": [*STUDY, "bench"],

@@ -130,15 +130,15 @@ def told(source: Path, script: str, **environment: str) -> Any:
 VIEWS = """
 import contextlib, io, json, pathlib
 
-import model.cli.simulate
-from model import Batch, simulate
-from model.cli import main as cli
+import vibralign.commands.simulate
+from vibralign import Batch, simulate
+from vibralign.commands import main as cli
 from model.physics.notation import State
 from model.physics.parameters import Constants
 from model.physics.variants import Variants
-from model.study.config import baseline
+from vibralign.device.paper import baseline
 from model.sweeps.io import VARIABLES, parameter_attributes
-from model.device import load_device
+from vibralign.device import load_device
 
 def printed(*arguments):
     with contextlib.redirect_stdout(io.StringIO()) as out:
@@ -146,8 +146,8 @@ def printed(*arguments):
     return out.getvalue()
 
 # The unvibrated control takes the batch engine, which runs compiled only.
-model.cli.simulate.unvibrated_words = lambda *_: ""
-model.cli.simulate.unvibrated_record = lambda *_: {}
+vibralign.commands.simulate.unvibrated_words = lambda *_: ""
+vibralign.commands.simulate.unvibrated_record = lambda *_: {}
 base = baseline()
 pulled = base.replace(side_pull=0.5)
 peg = load_device(pathlib.Path("docs/peg.yaml"), {"side_pull": 2.0})
@@ -203,8 +203,8 @@ def test_one_more_parameter_and_result_reach_every_view(tmp_path):
 
 PULLED = """
 import json
-from model import SUSPENDED, Settings, align, simulate
-from model.study.config import baseline
+from vibralign import SUSPENDED, Settings, align, simulate
+from vibralign.device.paper import baseline
 
 base = baseline().replace(side_pull=0.05)
 raised = base.replace(press_force=-3.0, frequency=0.0, lateral_damping=2.0)

@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model.physics.parameters import Batch, Parameters
-from model.study.config.accuracy import Range
 from model.sweeps.axes import Plan
 from model.sweeps.settings import RunSettings
+from study.config.accuracy import Range
 
 if TYPE_CHECKING:
-    from model.study.config.study import Study
+    from study.config.study import Study
 
 TrialName = Literal["error", "settled"]
 TRIALS: tuple[TrialName, ...] = ("error", "settled")

@@ -28,7 +28,7 @@ from benchmarks.equations import (
 )
 from benchmarks.methods.base import Method, NotReachedError
 from benchmarks.problems import Problem, Solution
-from model import Parameters
+from vibralign import Parameters
 
 _BATCH = 1024  # trajectories in a call: few lanes are empty at the end
 _WIDEST = 8  # numbers in a vector of 512 bits

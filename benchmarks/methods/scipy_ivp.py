@@ -22,7 +22,7 @@ from benchmarks.equations import (
 )
 from benchmarks.methods.base import Method, NotReachedError
 from benchmarks.problems import Problem, Solution
-from model import Parameters
+from vibralign import Parameters
 
 _MOST_EVENTS = 20_000  # of one trajectory; W3 has about 1,000
 _AT_ONCE = 1e-12  # events closer than this are taken as simultaneous

@@ -7,7 +7,7 @@ from itertools import takewhile
 from benchmarks.methods import METHODS
 from benchmarks.problems import Verdict
 from benchmarks.work_precision import Setting
-from model.show.words import power, short
+from vibralign.plots.words import power, short
 
 FINE, COARSE = 1e-8, 1e-5  # the errors at which methods are compared
 

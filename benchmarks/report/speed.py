@@ -13,9 +13,9 @@ from benchmarks.report.checks import CHECKS, HEAD
 from benchmarks.report.work_precision_plots import CAPTIONS
 from benchmarks.work_precision import Setting, read_settings
 from model.engines.batch.series_layout import ORDER
-from model.show.report.section import Results, Section, Table, link, settings_of, subscripts
-from model.show.words import figure_title, number, power
-from model.study.config.study import Study
+from study.config.study import Study
+from study.report.section import Results, Section, Table, link, settings_of, subscripts
+from vibralign.plots.words import figure_title, number, power
 
 
 def section(results: Results) -> Section:

@@ -12,8 +12,8 @@ from benchmarks.methods import METHODS
 from benchmarks.problems import Verdict
 from benchmarks.report.advice import COARSE, ladders, nearest, needs
 from benchmarks.work_precision import Setting
-from model.show import style
-from model.show.words import power
+from vibralign.plots import style
+from vibralign.plots.words import power
 
 KEPT, INACCURATE = f"keeps {power(COARSE)}: evaluations", "does not: smallest error"
 OUTCOME = "·: right outcome, no error known"

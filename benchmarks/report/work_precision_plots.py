@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from benchmarks.methods import METHODS
 from benchmarks.problems import Verdict
 from benchmarks.work_precision import Setting
-from model.show import style
+from vibralign.plots import style
 
 # Thick: with event location; orange and purple: fixed steps; the others: scipy.
 LOOKS: Mapping[str, Mapping[str, Any]] = {

@@ -7,9 +7,9 @@ from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
 from docs import round_drawings
-from model import load_device
-from model.show.schematics import DRAWINGS
-from model.show.style import write
+from study.schematics import DRAWINGS
+from vibralign import load_device
+from vibralign.plots.style import write
 
 _DOCS = Path(__file__).parents[1]
 _DRAWINGS = {**DRAWINGS, **round_drawings.DRAWINGS}

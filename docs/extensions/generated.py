@@ -18,14 +18,14 @@ from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
 from benchmarks.report.checks import CHECKS, HEAD
-from model.cli.main import _parser
 from model.engines.results import IN_SLOT, RESULTS, TRACK_VARIABLES, UNVIBRATED_CONTROL, Result
 from model.events.outcomes import OUTCOME_TEXT, REASON_TEXT, Outcome, Reason, remedy
 from model.events.table import EVENTS
 from model.physics.parameters import FIELDS, Parameters
 from model.physics.units import UNITS
-from model.study.config import Study
 from model.sweeps.io import unit_in_file
+from study.config import Study
+from vibralign.commands.main import _parser
 
 
 def _table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:

@@ -13,7 +13,7 @@ from snakemake.logging import logger
 from snakemake_interface_logger_plugins.base import LogHandlerBase
 from snakemake_interface_logger_plugins.common import LogEvent
 
-from model.tracking import TrackingError, invocation
+from study.tracking import TrackingError, invocation
 
 
 class LogHandler(LogHandlerBase):

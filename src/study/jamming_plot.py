@@ -9,9 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from model.events.outcomes import Outcome
-from model.show import style
-from model.show.style import Floats, axis_label
-from model.study.jamming import depth_of_two_points, entered, in_jamming_diagram, tilt_at_depth
+from study.jamming import depth_of_two_points, entered, in_jamming_diagram, tilt_at_depth
+from vibralign.plots import style
+from vibralign.plots.style import Floats, axis_label
 
 CAPTION = (
     "Every part that falls into the slot, by its tilt at entry and its friction, a panel for each "

@@ -1,10 +1,10 @@
 """Sweeps of the study, as the configuration states them."""
 
-from model.study.config.figures import Curves, History, Schematic
-from model.study.config.study import Study
 from model.sweeps.io import VARIABLES
 from model.sweeps.sweep import Sweep
 from model.sweeps.tracks import TRACK_QUANTITIES
+from study.config.figures import Curves, History, Schematic
+from study.config.study import Study
 
 _IN_THE_SLOT = (
     "outcome", "reason", "tau_align", "tilt_at_alignment", "sensitive", "rhs_evaluations",

@@ -5,10 +5,10 @@ from collections.abc import Callable, Mapping
 import xarray as xr
 from matplotlib.figure import Figure
 
-from model.show.curves import curves, draw_runs
-from model.show.history import history
-from model.show.jamming import draw_jamming
-from model.show.maps import stability_map, vibration_map
+from study.jamming_plot import draw_jamming
+from vibralign.plots.curves import curves, draw_runs
+from vibralign.plots.history import history
+from vibralign.plots.maps import stability_map, vibration_map
 
 _DRAW: Mapping[str, Callable[..., Figure]] = {
     "history": history, "curves": curves, "map": stability_map,

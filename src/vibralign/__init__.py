@@ -3,6 +3,14 @@
 >>> import vibralign
 >>> vibralign.simulate(vibralign.baseline()).outcome
 <Outcome.ALIGNED: 0>
+
+The rooms, each of which imports only from those above it, and from the package ``model``:
+
+- ``device``: device files, their quantities and units, runs of devices in SI units.
+- ``answers``: assessment, design, yield, maps, and the assumptions they rest on.
+- ``plots``: style and drawings of runs, curves and maps; the device sheet.
+- ``explorer``: the page that runs a device live.
+- ``commands``: the command ``vibralign``.
 """
 
 import importlib
@@ -12,14 +20,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from model.device.assess import assess as assess
-    from model.device.design import Design as Design
-    from model.device.design import design as design
-    from model.device.reliability import DeviceResults as DeviceResults
-    from model.device.yields import Yield as Yield
-    from model.device.yields import yield_of as yield_of
-    from model.show.si import readable as readable
-    from model.study.config import baseline as baseline
+    from vibralign.answers.assess import assess as assess
+    from vibralign.answers.design import Design as Design
+    from vibralign.answers.design import design as design
+    from vibralign.answers.reliability import DeviceResults as DeviceResults
+    from vibralign.answers.si import readable as readable
+    from vibralign.answers.yields import Yield as Yield
+    from vibralign.answers.yields import yield_of as yield_of
     from vibralign.studies import sweep as sweep
 
 
@@ -50,25 +57,66 @@ def _load_model() -> None:
 
 
 _load_model()
-from model import *  # noqa: E402, F403
-from model import __all__ as _of_model  # noqa: E402
-from model.sweeps.version import version as _version  # noqa: E402
+# ruff: noqa: E402
+from model.events.insertion import INSERTION
+from model.events.outcomes import Outcome, Reason
+from model.events.scenes import ALIGNMENT, PRINTED_CONTACTS, SUSPENDED, Scene
+from model.physics.parameters import Batch, Parameters
+from model.physics.variants import Variants
+from model.runs.align import Alignments
+from model.runs.settings import Settings
+from model.runs.simulate import Trajectory
+from model.sweeps.version import version as _version
+from vibralign.answers.reliability import reliable_at
+from vibralign.device import StatedDevice, load_device
+from vibralign.device.paper import baseline
+from vibralign.device.runs import align, simulate
+
+Readings = Variants  # the name in the API
 
 __version__ = _version()
 
 # Imported when they are used: they need the extra `study`, or take half a second.
 _LATER = {
-    "Design": "model.device.design",
-    "DeviceResults": "model.device.reliability",
-    "Yield": "model.device.yields",
-    "assess": "model.device.assess",
-    "baseline": "model.study.config",
-    "design": "model.device.design",
-    "readable": "model.show.si",
+    "Design": "vibralign.answers.design",
+    "DeviceResults": "vibralign.answers.reliability",
+    "Yield": "vibralign.answers.yields",
+    "assess": "vibralign.answers.assess",
+    "design": "vibralign.answers.design",
+    "readable": "vibralign.answers.si",
     "sweep": "vibralign.studies",
-    "yield_of": "model.device.yields",
+    "yield_of": "vibralign.answers.yields",
 }
-__all__ = [*_of_model, *_LATER]  # noqa: PLE0604 - names
+__all__ = [
+    "ALIGNMENT",
+    "INSERTION",
+    "PRINTED_CONTACTS",
+    "SUSPENDED",
+    "Alignments",
+    "Batch",
+    "Design",
+    "DeviceResults",
+    "Outcome",
+    "Parameters",
+    "Readings",
+    "Reason",
+    "Scene",
+    "Settings",
+    "StatedDevice",
+    "Trajectory",
+    "Variants",
+    "Yield",
+    "align",
+    "assess",
+    "baseline",
+    "design",
+    "load_device",
+    "readable",
+    "reliable_at",
+    "simulate",
+    "sweep",
+    "yield_of",
+]
 
 
 def __getattr__(name: str) -> Any:

@@ -2,6 +2,6 @@
 
 import sys
 
-from model.cli.main import main
+from vibralign.commands.main import main
 
 sys.exit(main())

@@ -11,12 +11,6 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from model.device.amounts import read_values
-from model.device.batches import by_settings, devices_of, rows_of
-from model.device.maps import corners_of, quantity_attributes
-from model.device.plausibility import check_press
-from model.device.runs import IN_SI, AnyDevice, Device, devices_in, with_changes
-from model.device.stated import QUANTITIES, StatedDevice, unit_of
 from model.engines.results import RESULTS, VALUE_TYPES
 from model.events.outcomes import Outcome
 from model.physics.parameters import PARAMETER_NAMES, Parameters, check_name
@@ -24,14 +18,20 @@ from model.physics.quantities import ANGLE, PLAIN
 from model.physics.units import scales
 from model.runs.align import align
 from model.runs.settings import Settings
-from model.show.assumptions import (
+from model.sweeps.io import described, parameter_attributes, result_attributes, summary_of
+from vibralign.answers.assumptions import (
     as_attribute,
     assumptions,
     assumptions_with,
     at_corners,
     source_words,
 )
-from model.sweeps.io import described, parameter_attributes, result_attributes, summary_of
+from vibralign.answers.maps import corners_of, quantity_attributes
+from vibralign.device.amounts import read_values
+from vibralign.device.batches import by_settings, devices_of, rows_of
+from vibralign.device.plausibility import check_press
+from vibralign.device.runs import IN_SI, AnyDevice, Device, devices_in, with_changes
+from vibralign.device.stated import QUANTITIES, StatedDevice, unit_of
 
 Axes = Mapping[str, NDArray[np.float64]]
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks.borders import TOLERANCES, errors_over_estimates, scan
-from model import Batch, Settings, load_device
+from vibralign import Batch, Settings, load_device
 
 PEG = Path(__file__).parents[1] / "square" / "peg.yaml"
 

@@ -8,7 +8,7 @@ import pytest
 from benchmarks.methods.by_hand import outside_of, solve_by_hand
 from benchmarks.methods.scipy_unlocated import ScipyUnlocated
 from benchmarks.problems import Problem, Verdict
-from model import Batch, Settings, Variants, align
+from vibralign import Batch, Settings, Variants, align
 
 COST = {"rk4": 4, "semi_implicit_euler": 1}
 schemes = pytest.mark.parametrize("scheme", COST)

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from benchmarks.methods import by_hand
-from model import Variants
 from model.compile.entries import compiled
 from model.engines.scalar.step import state_of
 from model.events.event_functions import edge_inside
@@ -21,6 +20,7 @@ from model.physics.modes import (
 )
 from model.physics.motion import motion
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
+from vibralign import Variants
 
 ROUNDING = 1e-12  # relative to 1 + the largest acceleration; loads are of order 10
 STATES = 40  # of each kind

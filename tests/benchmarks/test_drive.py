@@ -6,7 +6,7 @@ from benchmarks.methods.base import NotReachedError
 from benchmarks.methods.scipy_ivp import drive
 from benchmarks.problems import Problem
 from benchmarks.trajectories import W1
-from model import Settings
+from vibralign import Settings
 
 PROBLEM = Problem("p", (W1,), Settings(horizon=10.0))
 

@@ -4,7 +4,6 @@ import pytest
 from benchmarks import equations as peer
 from benchmarks.equations import device
 from benchmarks.trajectories import W1, W3
-from model import Batch, Parameters, Variants
 from model.physics.modes import (
     CLOSED,
     OPEN,
@@ -19,6 +18,7 @@ from model.physics.modes import (
 from model.physics.motion import motion
 from model.physics.notation import State
 from model.physics.parameters import Constants
+from vibralign import Batch, Parameters, Variants
 
 
 def project_mode(face: int, slip: int) -> Mode:

@@ -3,7 +3,7 @@
 import pytest
 
 from benchmarks.plans import precision_plan
-from model.study.config import Study, load_study, study_path
+from study.config import Study, load_study, study_path
 
 
 @pytest.fixture(scope="module")

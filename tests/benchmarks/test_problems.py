@@ -4,10 +4,10 @@ import pytest
 from benchmarks.methods.base import typical_error
 from benchmarks.problems import Problem, last_state, neighbours
 from benchmarks.trajectories import W1, W2, W3, drawn_points, only_right_edge
-from model import Batch, Outcome, Parameters, Scene, Settings, align, simulate
 from model.runs.simulate import simulate_once
-from model.study.config import load_study, study_path
+from study.config import load_study, study_path
 from verification.independent import solve
+from vibralign import Batch, Outcome, Parameters, Scene, Settings, align, simulate
 
 EDGE_ONLY = Scene("edge_only", frozenset({"edge_on_face"}))
 

@@ -14,7 +14,7 @@ from benchmarks.methods.base import Method, NotReachedError
 from benchmarks.problems import Problem, Solution
 from benchmarks.table import TARGET, TOLERANCES, Row, compare, loosest, text, write
 from benchmarks.trajectories import W1, W2
-from model import Parameters, Settings, simulate
+from vibralign import Parameters, Settings, simulate
 
 
 class Pretended(Method):

@@ -17,7 +17,7 @@ from benchmarks.truth import (
     judge,
     outside,
 )
-from model import align
+from vibralign import align
 
 
 @pytest.fixture

@@ -27,7 +27,7 @@ from benchmarks.work_precision import (
 from model.events.outcomes import Outcome
 from model.physics.parameters import Parameters
 from model.runs.simulate import simulate
-from model.study.config import load_study, study_path
+from study.config import load_study, study_path
 from verification.independent import solve
 
 STATE = np.zeros(6)

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from model.show.schematics import DRAWINGS
+from study.schematics import DRAWINGS
 
 REPOSITORY = Path(__file__).parents[2]
 DOCS = REPOSITORY / "docs"

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from model.cli import main as cli
-from model.device import leeways
-from model.study.config import FIGURES
+from study.config import FIGURES
+from vibralign.answers import leeways
+from vibralign.commands import main as cli
 
 REPOSITORY = Path(__file__).parents[2]
 PAGES = [

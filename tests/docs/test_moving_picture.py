@@ -7,7 +7,7 @@ import pytest
 from PIL import Image
 
 from docs import moving_picture
-from model import INSERTION, Outcome, Settings, load_device, simulate
+from vibralign import INSERTION, Outcome, Settings, load_device, simulate
 
 DOCS = Path(moving_picture.__file__).parent
 

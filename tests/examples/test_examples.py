@@ -15,12 +15,12 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
-from model import Batch, Outcome, Settings, load_device, reliable_at, simulate
 from model.events.outcomes import Unvibrated
 from model.runs.unvibrated import unvibrated
-from model.study.plans import sweep_of
 from model.sweeps.io import write_dataset
 from model.sweeps.sweep import dataset_of
+from study.plans import sweep_of
+from vibralign import Batch, Outcome, Settings, load_device, reliable_at, simulate
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 SCRIPTS = sorted([*EXAMPLES.glob("*.py"), *EXAMPLES.glob("*.ipynb")])

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from model.events.outcomes import InsertionOutcome
-from model.study.config.figures import MAPS
+from study.config.figures import MAPS
 
 Function = Callable[[Any, Any], Any]
 Datasets = dict[str, xr.Dataset]

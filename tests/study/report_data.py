@@ -11,15 +11,15 @@ import xarray as xr
 from benchmarks.plans import PICTURES
 from benchmarks.report import SECTIONS
 from benchmarks.work_precision import table_of as settings_table
-from model.show.report import page as report_page
-from model.show.report.section import Results
-from model.study.claims import CLAIMS, VERDICTS, Tables, judge
-from model.study.claims.ledger import ledger_text, lines_of
-from model.study.evidence.worth import weighed
-from model.study.plans import sweep_of
 from model.sweeps.io import write_dataset
 from model.sweeps.sweep import merge, run
-from tests.show.drawn import jamming_data
+from study.claims import CLAIMS, VERDICTS, Tables, judge
+from study.claims.ledger import ledger_text, lines_of
+from study.evidence.worth import weighed
+from study.plans import sweep_of
+from study.report import page as report_page
+from study.report.section import Results
+from tests.vibralign.plots.drawn import jamming_data
 
 # The smallest picture there is: one transparent pixel.
 PIXEL = base64.b64decode(

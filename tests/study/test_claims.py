@@ -9,16 +9,16 @@ import pytest
 import xarray as xr
 
 from model.events.outcomes import InsertionOutcome, Unvibrated
-from model.study.claims import CLAIMS, VERDICTS, Judgement, Tables, judge, tally
-from model.study.claims.claims import ClaimsError, claims_of, limit_of
-from model.study.claims.data import table_of
-from model.study.claims.ledger import judge_claim, ledger_text, lines_of, read_ledger
-from model.study.claims.statistics import explained, trend
-from model.study.config import FIGURES, load_study, study_path
-from model.study.plans import sweep_of
 from model.sweeps.axes import Family
 from model.sweeps.sweep import merge, run
 from model.sweeps.tracks import TRACK_QUANTITIES
+from study.claims import CLAIMS, VERDICTS, Judgement, Tables, judge, tally
+from study.claims.claims import ClaimsError, claims_of, limit_of
+from study.claims.data import table_of
+from study.claims.ledger import judge_claim, ledger_text, lines_of, read_ledger
+from study.claims.statistics import explained, trend
+from study.config import FIGURES, load_study, study_path
+from study.plans import sweep_of
 from tests.study.claims_cases import CASES
 from tests.study.claims_data import (
     NAN,

@@ -10,18 +10,18 @@ import pytest
 import yaml
 
 from model.physics.parameters import PARAMETER_NAMES, Parameters
-from model.study.config import (
+from study.config import (
     CURVES,
     FIGURES,
     MAPS,
     ConfigError,
-    baseline,
     check_study,
     load_study,
     read_study,
     study_path,
 )
-from model.study.plans import sweep_of
+from study.plans import sweep_of
+from vibralign.device.paper import baseline
 
 PROJECT = Path(__file__).resolve().parents[2]
 

@@ -14,15 +14,15 @@ from model.compile import cache, machine_code
 from model.compile.entries import compiled
 from model.compile.kernels import kernel
 from model.compile.webassembly import WebAssembly
-from model.device import DeviceError, load_device
 from model.runs import in_browser
-from model.study.claims.ledger import read_ledger
-from model.study.csv_tables import TableError
 from model.sweeps.io import DatasetError, read_dataset, write_dataset
-from model.tracking import TrackingError, code
-from model.tracking.compare import changed_verdicts
-from model.tracking.history import load_history, set_aside_damaged
-from model.tracking.reference import verify
+from study.claims.ledger import read_ledger
+from study.csv_tables import TableError
+from study.tracking import TrackingError, code
+from study.tracking.compare import changed_verdicts
+from study.tracking.history import load_history, set_aside_damaged
+from study.tracking.reference import verify
+from vibralign.device import DeviceError, load_device
 
 PROJECT = Path(__file__).resolve().parents[2]
 PEG = PROJECT / "tests" / "square" / "devices" / "peg.yaml"

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from model.study.claims import CLAIMS, VERDICTS
-from model.study.claims.ledger import Line
-from model.study.config import FIGURES, ConfigError, Study, check_study, read_study, study_path
-from model.study.evidence import worth
-from model.study.evidence.assumptions import OWN, assumptions_dataset, assumptions_plan
-from model.study.evidence.null import REPRODUCED, drawn, merged, null_plan, part_of
-from model.study.identification.space import own_values, space_of, structure_of
+from study.claims import CLAIMS, VERDICTS
+from study.claims.ledger import Line
+from study.config import FIGURES, ConfigError, Study, check_study, read_study, study_path
+from study.evidence import worth
+from study.evidence.assumptions import OWN, assumptions_dataset, assumptions_plan
+from study.evidence.null import REPRODUCED, drawn, merged, null_plan, part_of
+from study.identification.space import own_values, space_of, structure_of
 
 TITLES = ["random", "points", "near", "farther"]
 

@@ -10,28 +10,28 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from model.study.claims import CLAIMS, Tables, judge
-from model.study.claims.claims import EVERY_FIGURE
-from model.study.claims.ledger import Judgement
-from model.study.config import FIGURES, Study, check_study, load_study, read_study, study_path
-from model.study.config.identification import HoldOut, Round, Stage
-from model.study.identification import candidates, search
-from model.study.identification.candidates import (
+from study.claims import CLAIMS, Tables, judge
+from study.claims.claims import EVERY_FIGURE
+from study.claims.ledger import Judgement
+from study.config import FIGURES, Study, check_study, load_study, read_study, study_path
+from study.config.identification import HoldOut, Round, Stage
+from study.identification import candidates, search
+from study.identification.candidates import (
     Numbers,
     Scores,
     short_of,
     short_of_aims,
 )
-from model.study.identification.hold_out import devices_of, hold_out, measured, summary_of
-from model.study.identification.space import Space, bare_inertia, space_of, structure_of
-from model.study.identification.tables import (
+from study.identification.hold_out import devices_of, hold_out, measured, summary_of
+from study.identification.space import Space, bare_inertia, space_of, structure_of
+from study.identification.tables import (
     found_text,
     read_found,
     read_scored,
     scored_text,
     summary_texts,
 )
-from model.study.plans import sweep_of
+from study.plans import sweep_of
 
 COARSE = Stage(grid="tiny", points=2)
 
@@ -81,8 +81,8 @@ def test_another_device_is_the_same_search(study, space):
 def test_the_search_is_stated_in_the_same_order_in_every_process():
     """Snakemake runs a part again, hours of it, if the text of its parameters differs."""
     code = (
-        "from model.study.config import load_study, study_path\n"
-        "from model.study.identification.space import space_of\n"
+        "from study.config import load_study, study_path\n"
+        "from study.identification.space import space_of\n"
         "print(space_of(load_study(study_path())).model_dump())"
     )
 

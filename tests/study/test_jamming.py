@@ -8,8 +8,9 @@ import xarray as xr
 
 from model.events.outcomes import Outcome
 from model.physics.parameters import Parameters
-from model.study.config import load_study, study_path
-from model.study.jamming import (
+from model.sweeps.sweep import merge, run
+from study.config import load_study, study_path
+from study.jamming import (
     depth_of_two_points,
     entered,
     in_jamming_diagram,
@@ -17,9 +18,8 @@ from model.study.jamming import (
     tilt_at_depth,
     wedging_side,
 )
-from model.study.plans import sweep_of
-from model.sweeps.sweep import merge, run
-from tests.show.drawn import jamming_data
+from study.plans import sweep_of
+from tests.vibralign.plots.drawn import jamming_data
 
 
 @pytest.mark.parametrize("clearance", [1e-4, 0.03, 0.09])
@@ -34,7 +34,7 @@ def test_the_depth_of_two_points_is_whitneys_for_small_tilts(tilt, clearance) ->
 @pytest.mark.parametrize("clearance", [0.01, 0.03])
 @pytest.mark.parametrize("friction", [0.3, 0.6])
 def test_wedging_begins_where_the_line_of_contacts_leaves_the_cones(friction, clearance) -> None:
-    # As tests/closed_forms/test_insertion.py derives it and finds it by runs.
+    # As tests/model/closed_forms/test_insertion.py derives it and finds it by runs.
     limit = atan(friction) - acos((1.0 + clearance) / hypot(1.0, friction))
     assert tilt_at_depth(friction, clearance) == pytest.approx(limit, rel=1e-12)
     assert float(depth_of_two_points(np.array(limit), clearance)) == pytest.approx(friction)

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from model.events.outcomes import Outcome
-from model.show.jamming import DIAGRAM, TWO_POINTS, WEDGED, draw_jamming
-from model.study.jamming import entered
-from tests.show.drawn import jamming_data, named
+from study.jamming import entered
+from study.jamming_plot import DIAGRAM, TWO_POINTS, WEDGED, draw_jamming
+from tests.vibralign.plots.drawn import jamming_data, named
 
 
 @pytest.fixture(scope="module")

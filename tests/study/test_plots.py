@@ -7,12 +7,12 @@ import xarray as xr
 
 from model.events.outcomes import Outcome
 from model.runs.simulate import simulate
-from model.show import plots
-from model.show.history import force_before, history, trajectory
-from model.show.style import cell_edges
-from model.study.plans import sweep_of
 from model.sweeps.sweep import merge, run
-from tests.show.drawn import NAN, named
+from study import plots
+from study.plans import sweep_of
+from tests.vibralign.plots.drawn import NAN, named
+from vibralign.plots.history import force_before, history, trajectory
+from vibralign.plots.style import cell_edges
 
 # --- Fig. 5 -------------------------------------------------------------------------------------
 

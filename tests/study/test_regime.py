@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from model.events.outcomes import Unvibrated
-from model.study.claims.data import MissingDataError, Tables
-from model.study.claims.regime import Regime, regime_of
+from study.claims.data import MissingDataError, Tables
+from study.claims.regime import Regime, regime_of
 from tests.study.claims_data import NAN, runs
 
 

@@ -16,19 +16,19 @@ from benchmarks.report.work_precision_plots import CAPTIONS
 from model.events.outcomes import InsertionOutcome, Outcome, Reason, Unvibrated
 from model.physics.parameters import PARAMETER_NAMES
 from model.physics.variants import VARIANT_NAMES
-from model.show.report import background
-from model.show.report.background import VARIANT_WORDS
-from model.show.report.figures import HEAD, Counts
-from model.show.report.findings import POINTS, wedging_words
-from model.show.report.section import Results, subscripts
-from model.show.words import figure_title, percent, short
-from model.study.claims import CLAIMS, tally
-from model.study.config import FIGURES, MAPS
-from model.study.identification.hold_out import measured
-from model.study.jamming import entered, jammed, wedging_side
 from model.sweeps.io import write_dataset
-from tests.show.drawn import jamming_data
-from tests.show.report_data import PIXEL, Page, article, plain, render_report
+from study.claims import CLAIMS, tally
+from study.config import FIGURES, MAPS
+from study.identification.hold_out import measured
+from study.jamming import entered, jammed, wedging_side
+from study.report import background
+from study.report.background import VARIANT_WORDS
+from study.report.figures import HEAD, Counts
+from study.report.findings import POINTS, wedging_words
+from study.report.section import Results, subscripts
+from tests.study.report_data import PIXEL, Page, article, plain, render_report
+from tests.vibralign.plots.drawn import jamming_data
+from vibralign.plots.words import figure_title, percent, short
 
 MOST_WORDS = 4000  # in sight when the page is opened
 

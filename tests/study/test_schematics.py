@@ -12,9 +12,10 @@ import pytest
 from matplotlib.figure import Figure
 
 from model.physics import geometry
-from model.show import schematics, style
-from model.study.config import baseline
-from tests.show.drawn import named
+from study import schematics
+from tests.vibralign.plots.drawn import named
+from vibralign.device.paper import baseline
+from vibralign.plots import style
 
 BASELINE = baseline()
 OTHER = BASELINE.replace(half_width=1.9, half_height=3.5, clearance=0.15, misalignment=0.6)
@@ -130,8 +131,9 @@ def test_saved_figures_carry_text_and_no_date(saved):
 _SAVE = """
 import sys
 from pathlib import Path
-from model.show import schematics, style
-from model.study.config import baseline
+from study import schematics
+from vibralign.plots import style
+from vibralign.device.paper import baseline
 style.save(schematics.fig04.draw(baseline()), Path(sys.argv[1]))
 """
 

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from model import Outcome, Reason, align
 from verification import accuracy
 from verification.accuracy import (
     FARTHEST,
@@ -18,6 +17,7 @@ from verification.accuracy import (
     write_table,
 )
 from verification.trials import TRIALS, trial_of
+from vibralign import Outcome, Reason, align
 
 
 @pytest.fixture(scope="module", params=TRIALS)

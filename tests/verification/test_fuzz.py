@@ -7,7 +7,6 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from model import Alignments, Batch, Outcome, Parameters, Reason, Settings, align
 from model.physics.parameters import FIELDS
 from verification.fuzz import (
     LAWS,
@@ -20,6 +19,7 @@ from verification.fuzz import (
     draw,
     try_sets,
 )
+from vibralign import Alignments, Batch, Outcome, Parameters, Reason, Settings, align
 
 SEED, OTHER_SEED = 2007, 2008
 PATIENT = replace(SETTINGS, max_evaluations=10_000)  # enough for a device to align

@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from model import Outcome, Parameters, Reason, simulate
 from verification.accuracy import LEAVING
 from verification.fuzz import IN_SLOT, LAWS_IN_SLOT, draw
 from verification.independent import insert, solve
 from verification.independent.motion import Device, Mode
 from verification.independent.solution import MOMENT, Run
+from vibralign import Outcome, Parameters, Reason, simulate
 
 # Without an end by settling: in the independent solution a part rests if both sides stick.
 SETTINGS = replace(IN_SLOT, horizon=12.0, may_settle=False, max_evaluations=1_000_000)

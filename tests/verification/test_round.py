@@ -15,10 +15,10 @@ import numpy as np
 import pytest
 import yaml
 
-from model import Outcome, Trajectory, simulate
 from model.physics.units import Units
 from model.physics.units import device as device_of
 from verification.round import contact, motion
+from vibralign import Outcome, Trajectory, simulate
 
 FOLDER = Path(motion.__file__).parent
 STATED = yaml.safe_load((FOLDER / "points.yaml").read_text(encoding="utf-8"))

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from benchmarks.work_precision import read_settings
-from model import Batch, Parameters, Scene, Variants, align, simulate
-from model.study.csv_tables import TableError
 from model.sweeps.io import DatasetError, read_dataset
+from study.csv_tables import TableError
 from verification.accuracy import read_tables
 from verification.fuzz import try_sets
 from verification.independent import solve
+from vibralign import Batch, Parameters, Scene, Variants, align, simulate
 
 CALLS = {
     "a value beyond floating point": (

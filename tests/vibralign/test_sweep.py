@@ -13,9 +13,6 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 import vibralign
-from model.device.batches import devices_of
-from model.device.design import search
-from model.device.design_trials import Trials
 from vibralign import (
     Outcome,
     Settings,
@@ -28,6 +25,9 @@ from vibralign import (
     sweep,
     yield_of,
 )
+from vibralign.answers.design import search
+from vibralign.answers.design_trials import Trials
+from vibralign.device.batches import devices_of
 
 SQUARE = Path(__file__).parents[1] / "square"
 PEG, BRASS = (

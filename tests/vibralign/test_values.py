@@ -17,7 +17,6 @@ import numpy as np
 import pytest
 
 import vibralign
-from model.device.leeways import Leeway, Nearest
 from model.events.table import EVENTS
 from model.sweeps.settings import Ensemble
 from vibralign import (
@@ -37,6 +36,7 @@ from vibralign import (
     simulate,
     yield_of,
 )
+from vibralign.answers.leeways import Leeway, Nearest
 
 PEG = Path(__file__).parents[2] / "docs" / "devices" / "peg.yaml"
 QUICK = Settings(horizon=20.0, tolerance=1e-6)

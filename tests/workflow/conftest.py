@@ -17,7 +17,7 @@ from typing import Any
 import pytest
 import yaml
 
-from model.study.config import CURVES, MAPS
+from study.config import CURVES, MAPS
 
 PROJECT = Path(__file__).resolve().parents[2]
 PARTS = ("Snakefile", "Makefile", "workflow", "config", "profiles", "requirements.lock")
@@ -114,7 +114,7 @@ PRELOADED = """
 import gc, json, os, runpy, select, signal, socket, sys
 import matplotlib.pyplot, netCDF4, pint, scipy.ndimage, scipy.special, smart_open, xarray
 import snakemake.cli, snakemake.report.html_reporter
-import model.study.claims, model.study.config, model.study.plans
+import study.claims, study.config, study.plans
 from model.engines.batch.lane_events import lane_events_of
 from model.events.kernels import in_kernels
 

@@ -16,4 +16,6 @@ def test_the_linter_asks_for_nothing(workspace: Any) -> None:
 def test_the_workflow_knows_no_device_of_a_file() -> None:
     files = [path for path in (PROJECT / "workflow").rglob("*") if path.suffix in (".py", ".smk")]
     assert len(files) > 20
-    assert not [path.name for path in files if "model.device" in path.read_text(encoding="utf-8")]
+    assert not [
+        path.name for path in files if "vibralign.device" in path.read_text(encoding="utf-8")
+    ]

@@ -303,7 +303,7 @@ def of_another_study(path: Path) -> None:
 
     from model.sweeps.files import write_json  # noqa: PLC0415
     from model.sweeps.io import write_dataset  # noqa: PLC0415
-    from model.tracking.job import file_hash  # noqa: PLC0415
+    from study.tracking.job import file_hash  # noqa: PLC0415
 
     with xr.open_dataset(path) as stored:
         foreign = stored.load().assign_attrs(config_hash="0123456789abcdef")

@@ -5,7 +5,7 @@ import subprocess
 from pathlib import Path
 from typing import Any
 
-from model.tracking.history import load_history
+from study.tracking.history import load_history
 
 ROOT = "Ergebnisse für 2026"
 

@@ -10,8 +10,6 @@ from pathlib import Path
 
 import pytest
 
-from model.study.config import study_files, study_path
-
 PROJECT = Path(__file__).resolve().parents[2]
 
 
@@ -66,14 +64,14 @@ def test_an_index_can_show_the_readme(distributions: dict[str, Path]) -> None:
 
 def test_a_wheel_runs_without_the_checkout(distributions: dict[str, Path], tmp_path: Path) -> None:
     with zipfile.ZipFile(distributions[".whl"]) as archive:
-        for file in study_files(study_path()):
-            assert f"model/study/config/{file.name}" in archive.namelist()
-        assert "model/device/new.yaml" in archive.namelist()
+        packages = {name.partition("/")[0] for name in archive.namelist()}
+        assert {name for name in packages if not name.endswith(".dist-info")} == {
+            "model", "vibralign"
+        }  # fmt: skip
+        for name in ("vibralign/device/paper.yaml", "vibralign/device/new.yaml"):
+            assert name in archive.namelist()
         archive.extractall(tmp_path / "installed")
-    code = (
-        "import model; from model.study.config import baseline; "
-        "print(model.__file__, baseline().clearance)"
-    )
+    code = "import vibralign; print(vibralign.__file__, vibralign.baseline().clearance)"
     environment = {**os.environ, "PYTHONPATH": str(tmp_path / "installed")}
     run = subprocess.run(
         [sys.executable, "-c", code],

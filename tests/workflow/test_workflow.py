@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from model.tracking.history import load_history, sidecars
+from study.tracking.history import load_history, sidecars
 
 
 def test_a_fault_in_the_configuration_stops_before_anything_is_made(

@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from model.study.plans import sweep_of
-from model.tracking.code import code_of
+from study.plans import sweep_of
+from study.tracking.code import code_of
 from benchmarks.plans import PICTURES
 
 

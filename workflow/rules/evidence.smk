@@ -1,7 +1,7 @@
 """Worth of the verdicts: devices drawn at random, and the study's under other assumptions."""
 
-from model.study.evidence.assumptions import assumptions_plan
-from model.study.evidence.null import null_plan
+from study.evidence.assumptions import assumptions_plan
+from study.evidence.null import null_plan
 
 null_plans = {kind: stated(null_plan(study, kind)) for kind in study.evidence.draws}
 

@@ -3,7 +3,7 @@
 A further entry in `rounds` goes on where the search has ended. The parts are kept: they take hours.
 """
 
-from model.study.identification.space import space_of
+from study.identification.space import space_of
 
 search = study.identification
 space = stated(space_of(study))

@@ -2,8 +2,8 @@
 
 import sys
 
-from model.tracking import TrackingError
-from model.tracking.job import announce
+from study.tracking import TrackingError
+from study.tracking.job import announce
 
 try:
     announce(study.model_dump_json(), Path(workflow.basedir))

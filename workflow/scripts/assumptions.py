@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from model.study.evidence.assumptions import AssumptionsPlan, assumptions_dataset
 from model.sweeps.io import write_dataset
-from model.tracking.job import recorded, snakemake
+from study.evidence.assumptions import AssumptionsPlan, assumptions_dataset
+from study.tracking.job import recorded, snakemake
 
 with recorded(snakemake):
     plan = AssumptionsPlan.model_validate(snakemake.params.plan)

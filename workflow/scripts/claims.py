@@ -2,12 +2,12 @@
 
 from pathlib import Path
 
-from model.study.claims import Tables, judge
-from model.study.claims.ledger import ledger_text, lines_of
-from model.study.evidence.worth import weighed
 from model.sweeps.files import write_text
 from model.sweeps.io import read_dataset
-from model.tracking.job import recorded, snakemake
+from study.claims import Tables, judge
+from study.claims.ledger import ledger_text, lines_of
+from study.evidence.worth import weighed
+from study.tracking.job import recorded, snakemake
 
 with recorded(snakemake):
     datasets = {Path(file).stem: read_dataset(Path(file)) for file in snakemake.input}

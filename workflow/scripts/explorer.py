@@ -3,11 +3,11 @@
 from pathlib import Path
 
 from model.runs.in_browser import modules
-from model.show.explorer.content import study_model
-from model.show.explorer.page import build_page
-from model.study.config.study import Study
 from model.sweeps.files import write_text
-from model.tracking.job import recorded, snakemake
+from study.config.study import Study
+from study.explorer import study_model
+from study.tracking.job import recorded, snakemake
+from vibralign.explorer.page import build_page
 
 with recorded(snakemake):
     made, study = modules(), Study.model_validate(snakemake.params.study)

@@ -2,11 +2,11 @@
 
 from pathlib import Path
 
-from model.study.config.identification import HoldOut
-from model.study.identification.hold_out import hold_out
-from model.study.identification.space import Space
 from model.sweeps.files import write_text
-from model.tracking.job import recorded, snakemake
+from study.config.identification import HoldOut
+from study.identification.hold_out import hold_out
+from study.identification.space import Space
+from study.tracking.job import recorded, snakemake
 
 with recorded(snakemake, part=True):
     seen, unseen = (Space.model_validate(snakemake.params[name]) for name in ("seen", "unseen"))

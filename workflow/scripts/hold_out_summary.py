@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pandas as pd
 
-from model.study.identification.hold_out import summary_of
 from model.sweeps.files import write_text
-from model.tracking.job import recorded, snakemake
+from study.identification.hold_out import summary_of
+from study.tracking.job import recorded, snakemake
 
 with recorded(snakemake):
     halves = {half: pd.read_csv(file) for half, file in snakemake.input.items()}

@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from model.study.evidence.null import NullPlan, merged
 from model.sweeps.io import read_dataset, write_dataset
-from model.tracking.job import recorded, snakemake
+from study.evidence.null import NullPlan, merged
+from study.tracking.job import recorded, snakemake
 
 with recorded(snakemake):
     plans = {kind: NullPlan.model_validate(each) for kind, each in snakemake.params.plans.items()}

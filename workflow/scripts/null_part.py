@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from model.study.evidence.null import NullPlan, part_of
 from model.sweeps.io import write_dataset
-from model.tracking.job import recorded, snakemake
+from study.evidence.null import NullPlan, part_of
+from study.tracking.job import recorded, snakemake
 
 with recorded(snakemake, part=True):
     plan = NullPlan.model_validate(snakemake.params.plan)

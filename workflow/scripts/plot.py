@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-from model.show.plots import DRAWINGS
-from model.show.style import save
 from model.sweeps.io import read_dataset
-from model.tracking.job import recorded, snakemake
+from study.plots import DRAWINGS
+from study.tracking.job import recorded, snakemake
+from vibralign.plots.style import save
 
 with recorded(snakemake):
     datasets = [read_dataset(Path(file)) for file in snakemake.input]

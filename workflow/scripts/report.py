@@ -3,11 +3,11 @@
 from pathlib import Path
 
 from benchmarks.report import SECTIONS
-from model.show.report.page import render_report
-from model.show.report.section import Results
-from model.study.config.study import Study
 from model.sweeps.files import write_text
-from model.tracking.job import recorded, snakemake
+from study.config.study import Study
+from study.report.page import render_report
+from study.report.section import Results
+from study.tracking.job import recorded, snakemake
 
 with recorded(snakemake):
     page, study = Path(snakemake.output.page), Study.model_validate(snakemake.params.study)

@@ -3,9 +3,9 @@
 from pathlib import Path
 
 from model.physics.parameters import Parameters
-from model.show.schematics import DRAWINGS
-from model.show.style import save
-from model.tracking.job import recorded, snakemake
+from study.schematics import DRAWINGS
+from study.tracking.job import recorded, snakemake
+from vibralign.plots.style import save
 
 with recorded(snakemake) as metadata:
     metadata["parameters"] = snakemake.params.parameters

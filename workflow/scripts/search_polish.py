@@ -2,12 +2,12 @@
 
 from pathlib import Path
 
-from model.study.config.identification import Stage
-from model.study.identification.search import polish
-from model.study.identification.space import Space
-from model.study.identification.tables import read_scored, scored_text
 from model.sweeps.files import write_text
-from model.tracking.job import recorded, snakemake
+from study.config.identification import Stage
+from study.identification.search import polish
+from study.identification.space import Space
+from study.identification.tables import read_scored, scored_text
+from study.tracking.job import recorded, snakemake
 
 with recorded(snakemake, part=True):
     space = Space.model_validate(snakemake.params.space)

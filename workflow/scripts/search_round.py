@@ -2,12 +2,12 @@
 
 from pathlib import Path
 
-from model.study.config.identification import Round
-from model.study.identification.search import evolve
-from model.study.identification.space import Space
-from model.study.identification.tables import found_text, read_found
 from model.sweeps.files import write_text
-from model.tracking.job import recorded, snakemake
+from study.config.identification import Round
+from study.identification.search import evolve
+from study.identification.space import Space
+from study.identification.tables import found_text, read_found
+from study.tracking.job import recorded, snakemake
 
 with recorded(snakemake, part=True):
     space = Space.model_validate(snakemake.params.space)

@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-from model.study.identification.space import Space
-from model.study.identification.tables import summary_texts
 from model.sweeps.files import write_text
-from model.tracking.job import recorded, snakemake
+from study.identification.space import Space
+from study.identification.tables import summary_texts
+from study.tracking.job import recorded, snakemake
 
 with recorded(snakemake):
     space = Space.model_validate(snakemake.params.space)

@@ -65,7 +65,7 @@ def align(
 ) -> Alignments:
     """Run every parameter set of ``batch`` to its end and estimate the error of its result.
 
-    As ``model.align``, which takes any devices; its errors.
+    As ``vibralign.align``, which takes any devices; its errors.
     """
     settings = settings_with(settings, changes)
     rows_of = batch if isinstance(batch, Batch) else Batch.stack(batch)

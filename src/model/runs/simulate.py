@@ -89,7 +89,7 @@ Trajectory.__doc__ = described(Trajectory.__doc__, RESULTS)
 def simulate(
     parameters: Parameters, settings: Settings | None = None, **changes: Any
 ) -> Trajectory:
-    """Run one parameter set and return its trajectory, as ``model.simulate`` of any device."""
+    """Run one parameter set and return its trajectory, as ``vibralign.simulate`` of any device."""
     settings = settings_with(settings, changes)
     rows = settings.rows(Batch.stack([parameters]))
     found = estimate(scalar_engine(settings), rows, settings.tolerance, None, settings.horizon)

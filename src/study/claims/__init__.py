@@ -5,8 +5,8 @@
 ``ledger`` judges the number.
 """
 
-from model.study.claims.claims import CLAIMS
-from model.study.claims.data import Tables
-from model.study.claims.ledger import VERDICTS, Judgement, judge, tally
+from study.claims.claims import CLAIMS
+from study.claims.data import Tables
+from study.claims.ledger import VERDICTS, Judgement, judge, tally
 
 __all__ = ["CLAIMS", "VERDICTS", "Judgement", "Tables", "judge", "tally"]

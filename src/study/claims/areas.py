@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from model.study.claims.statistics import (
+from study.claims.statistics import (
     NAN,
     Array,
     Flags,

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 from model.physics.parameters import FIELDS
-from model.study.claims.data import MissingDataError, Rows, Tables
-from model.study.claims.measures import MEASURES
-from model.study.claims.statistics import NAN
+from study.claims.data import MissingDataError, Rows, Tables
+from study.claims.measures import MEASURES
+from study.claims.statistics import NAN
 
 Parts = Mapping[str, float]
 

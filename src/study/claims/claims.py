@@ -11,8 +11,8 @@ from fractions import Fraction
 from importlib import resources
 from typing import Any
 
-from model.study.claims.check import Check, check_of
 from model.sweeps.files import parse_yaml
+from study.claims.check import Check, check_of
 
 EVERY_FIGURE = tuple(f"fig{number:02}" for number in range(5, 15))
 _KINDS = {
@@ -154,6 +154,4 @@ def claims_of(text: str) -> tuple[Claim, ...]:
     return tuple(claims)
 
 
-CLAIMS = claims_of(
-    (resources.files("model.study.claims") / "claims.yaml").read_text(encoding="utf-8")
-)
+CLAIMS = claims_of((resources.files("study.claims") / "claims.yaml").read_text(encoding="utf-8"))

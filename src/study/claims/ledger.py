@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, get_args
 
-from model.study.claims.claims import CLAIMS, Claim
-from model.study.claims.data import MissingDataError, Tables
-from model.study.csv_tables import read_records, records_text
+from study.claims.claims import CLAIMS, Claim
+from study.claims.data import MissingDataError, Tables
+from study.csv_tables import read_records, records_text
 
 Verdict = Literal["reproduced", "mixed", "contradicted", "not checkable"]
 VERDICTS: tuple[Verdict, ...] = get_args(Verdict)

@@ -18,9 +18,9 @@ from itertools import product
 import numpy as np
 from scipy import ndimage
 
-from model.study.claims import areas
-from model.study.claims.data import MissingDataError
-from model.study.claims.statistics import (
+from study.claims import areas
+from study.claims.data import MissingDataError
+from study.claims.statistics import (
     NAN,
     RESOLUTION,
     Array,

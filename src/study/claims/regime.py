@@ -8,10 +8,10 @@ from typing import NamedTuple
 import numpy as np
 
 from model.events.outcomes import Unvibrated
-from model.study.claims.areas import least_share
-from model.study.claims.claims import CLAIMS
-from model.study.claims.data import Tables
-from model.study.claims.statistics import NAN, median, share
+from study.claims.areas import least_share
+from study.claims.claims import CLAIMS
+from study.claims.data import Tables
+from study.claims.statistics import NAN, median, share
 
 _CHECKS = {claim.id: claim.check for claim in CLAIMS if claim.check}
 

@@ -1,19 +1,20 @@
-"""``vibralign claims``: judge the claims of the paper by the data on disk."""
+"""``claims``: judge the claims of the paper by the data on disk."""
 
 import argparse
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from model.cli.arguments import add_command, add_json, add_root
-from model.cli.tables import print_json, table
+from study.commands.options import add_root
+from vibralign.commands.program import add_command, add_json
+from vibralign.commands.tables import print_json, table
 
 if TYPE_CHECKING:
-    from model.study.claims import Tables
+    from study.claims import Tables
 
 
 def add(commands: Any) -> None:
-    """Add the command to the parsers of ``vibralign``."""
+    """Add the command to the parsers of the study."""
     parser = add_command(
         commands,
         "claims",
@@ -37,10 +38,10 @@ def add(commands: Any) -> None:
 
 def _claims(arguments: argparse.Namespace) -> int:
     # Imported here: importing xarray takes a second that no other command should wait for.
-    from model.study.claims import Tables, judge, tally  # noqa: PLC0415
-    from model.study.claims.ledger import lines_of  # noqa: PLC0415
-    from model.study.evidence.worth import summary, weighed  # noqa: PLC0415
     from model.sweeps.io import read_dataset  # noqa: PLC0415
+    from study.claims import Tables, judge, tally  # noqa: PLC0415
+    from study.claims.ledger import lines_of  # noqa: PLC0415
+    from study.evidence.worth import summary, weighed  # noqa: PLC0415
 
     data: Path = arguments.root / "data"
     files = sorted(data.glob("fig*.nc"))
@@ -82,8 +83,8 @@ def _claims(arguments: argparse.Namespace) -> int:
 
 
 def _regime(tables: "Tables", as_json: bool) -> int:
-    from model.study.claims.data import MissingDataError  # noqa: PLC0415
-    from model.study.claims.regime import regime_of  # noqa: PLC0415
+    from study.claims.data import MissingDataError  # noqa: PLC0415
+    from study.claims.regime import regime_of  # noqa: PLC0415
 
     rows = []
     for figure in tables.frames:

@@ -1,13 +1,14 @@
-"""``vibralign verify`` and ``accept``: a build of the small study and its accepted reference."""
+"""``verify`` and ``accept``: a build of the small study and its accepted reference."""
 
 import argparse
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from model.cli.arguments import add_command, add_json, add_root, figure_name
-from model.cli.tables import print_json, table
-from model.study.config import COMPUTED, FIGURES
+from study.commands.options import add_root, figure_name
+from study.config import COMPUTED, FIGURES
+from vibralign.commands.program import add_command, add_json
+from vibralign.commands.tables import print_json, table
 
 
 def _add_folders(parser: Any) -> None:
@@ -19,7 +20,7 @@ def _add_folders(parser: Any) -> None:
 
 
 def add(commands: Any) -> None:
-    """Add the commands to the parsers of ``vibralign``."""
+    """Add the commands to the parsers of the study."""
     parser = add_command(
         commands,
         "verify",
@@ -49,7 +50,7 @@ def add(commands: Any) -> None:
 
 def _verify(arguments: argparse.Namespace) -> int:
     # Imported here: xarray takes a second that no other command should wait for.
-    from model.tracking.reference import verify  # noqa: PLC0415
+    from study.tracking.reference import verify  # noqa: PLC0415
 
     root, reference = arguments.root, arguments.reference
     if not root.is_dir():
@@ -62,14 +63,14 @@ def _verify(arguments: argparse.Namespace) -> int:
     elif findings:
         rows = [{**asdict(each), "": each.words} for each in findings]
         print("\n".join(table(rows, ("figure", "variable", "points", ""))))
-        print("what is meant to differ: vibralign accept --figure N --reason ...")
+        print("what is meant to differ: python -m study accept --figure N --reason ...")
     else:
         print(f"{len(computed)} figures agree with {reference}")
     return int(bool(findings))
 
 
 def _accept(arguments: argparse.Namespace) -> int:
-    from model.tracking.reference import accept  # noqa: PLC0415  (as in _verify)
+    from study.tracking.reference import accept  # noqa: PLC0415  (as in _verify)
 
     if "all" in arguments.figure:
         what = list(FIGURES)

@@ -1,4 +1,4 @@
-"""``vibralign runs``, ``show``, ``diff`` and ``export``: the recorded history of the study."""
+"""``runs``, ``show``, ``diff`` and ``export``: the recorded history of the study."""
 
 import argparse
 from collections.abc import Sequence
@@ -6,14 +6,13 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from model.cli.arguments import add_command, add_json, add_root, figure_name
-from model.cli.tables import cell, pairs, print_json, table
 from model.events.outcomes import Outcome
 from model.physics.parameters import check_name
-from model.tracking import TrackingError
-from model.tracking.compare import Change
-from model.tracking.diff import Comparison, compare
-from model.tracking.history import (
+from study.commands.options import add_root, figure_name
+from study.tracking import TrackingError
+from study.tracking.compare import Change
+from study.tracking.diff import Comparison, compare
+from study.tracking.history import (
     RUN_STATUS,
     Record,
     find_invocation,
@@ -22,6 +21,8 @@ from model.tracking.history import (
     load_history,
     load_runs,
 )
+from vibralign.commands.program import add_command, add_json
+from vibralign.commands.tables import cell, pairs, print_json, table
 
 _OUTCOMES = tuple(
     dict.fromkeys([*RUN_STATUS, *(each.name.lower() for each in Outcome), "sensitive"])
@@ -31,7 +32,7 @@ _LISTED = 12  # lines of a section of differences; --all shows the rest
 
 
 def add(commands: Any) -> None:
-    """Add the commands to the parsers of ``vibralign``."""
+    """Add the commands to the parsers of the study."""
     words = "list the study's runs, failed and interrupted ones included"
     parser = add_command(commands, "runs", _runs, words, ", oldest first.")
     add_root(parser)
@@ -166,7 +167,8 @@ def _show(arguments: argparse.Namespace) -> int:
             record = find_invocation(load_history(arguments.root), arguments.what)
         except TrackingError:
             raise TrackingError(
-                f"{arguments.what!r} is neither a run nor an invocation; vibralign runs lists them"
+                f"{arguments.what!r} is neither a run nor an invocation; "
+                "python -m study runs lists them"
             ) from None
         lines = _invocation_lines(record)
     if arguments.json:
@@ -273,7 +275,7 @@ def _change(change: Change) -> dict[str, Any]:
 
 
 def _export(arguments: argparse.Namespace) -> int:
-    from model.tracking.export import EXPERIMENT, to_mlflow  # noqa: PLC0415  (seldom needed)
+    from study.tracking.export import EXPERIMENT, to_mlflow  # noqa: PLC0415  (seldom needed)
 
     record = find_invocation(load_history(arguments.root), arguments.invocation)
     run = to_mlflow(record, arguments.root, arguments.tracking_uri)

@@ -1,7 +1,7 @@
 """The study as data: the files in config/, checked before anything is computed."""
 
-from model.study.config.base import ConfigError
-from model.study.config.figures import (
+from study.config.base import ConfigError
+from study.config.figures import (
     COMPUTED,
     CURVES,
     FIGURES,
@@ -12,8 +12,7 @@ from model.study.config.figures import (
     Curves,
     Map,
 )
-from model.study.config.load import (
-    baseline,
+from study.config.load import (
     check_files,
     check_study,
     load_study,
@@ -21,10 +20,10 @@ from model.study.config.load import (
     study_files,
     study_path,
 )
-from model.study.config.study import Study
+from study.config.study import Study
 
 __all__ = [
     "COMPUTED", "CURVES", "FIGURES", "GRIDDED", "HISTORIES", "MAPS", "SCHEMATICS", "ConfigError",
-    "Curves", "Map", "Study", "baseline", "check_files", "check_study", "load_study", "read_study",
+    "Curves", "Map", "Study", "check_files", "check_study", "load_study", "read_study",
     "study_files", "study_path",
 ]  # fmt: skip

@@ -4,8 +4,8 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field
 
-from model.study.config.base import LogRange
 from model.sweeps.axes import Strict, parameter_names
+from study.config.base import LogRange
 
 
 class Range(LogRange):

@@ -4,9 +4,9 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 
 from model.physics.parameters import FIELDS, REQUIRED_NAMES, Batch, Parameters, check_name
-from model.study.config.figures import COMPUTED, KIND, Curves, Map
-from model.study.config.study import Study
 from model.sweeps.axes import Axis, Family, check_plane
+from study.config.figures import COMPUTED, KIND, Curves, Map
+from study.config.study import Study
 
 
 def faults_of(study: Study) -> list[str]:

@@ -4,10 +4,10 @@ from typing import Any, Literal
 
 from pydantic import Field, field_validator
 
-from model.study.config.base import ParameterValues, Text
-from model.study.config.identification import Grid
 from model.sweeps.axes import Strict
 from model.sweeps.settings import RunSettings
+from study.config.base import ParameterValues, Text
+from study.config.identification import Grid
 
 
 class Drawing(Strict):

@@ -8,9 +8,9 @@ from typing import Annotated, Literal
 from pydantic import Discriminator, Field, model_validator
 
 from model.physics.parameters import Shape
-from model.study.config.base import ParameterValues, Text
 from model.sweeps.axes import Axis, Family, Strict
 from model.sweeps.settings import Ensemble
+from study.config.base import ParameterValues, Text
 
 SCHEMATICS = ("fig01", "fig02", "fig03", "fig04")
 HISTORIES = ("fig05",)

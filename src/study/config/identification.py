@@ -4,8 +4,8 @@ from typing import Annotated
 
 from pydantic import Field
 
-from model.study.config.base import LogRange, Text
 from model.sweeps.axes import Strict, Tolerance
+from study.config.base import LogRange, Text
 
 
 class Grid(Strict):

@@ -10,12 +10,11 @@ from typing import Annotated, Any, Union, get_args, get_origin
 import yaml
 from pydantic import BaseModel, ValidationError
 
-from model.physics.parameters import Parameters
-from model.study.config.base import ConfigError
-from model.study.config.checks import faults_of
-from model.study.config.figures import KIND
-from model.study.config.study import Study
 from model.sweeps.files import parse_yaml, read_text
+from study.config.base import ConfigError
+from study.config.checks import faults_of
+from study.config.figures import KIND
+from study.config.study import Study
 
 
 def _keys(annotation: Any, path: Sequence[int | str]) -> list[str]:
@@ -139,11 +138,5 @@ def load_study(path: Path) -> Study:
 
 
 def study_path() -> Path:
-    """Return the path of config.yaml: beside the sources, or as installed with the package."""
-    in_checkout = Path(__file__).resolve().parents[4] / "config" / "config.yaml"
-    return in_checkout if in_checkout.is_file() else Path(__file__).with_name("config.yaml")
-
-
-def baseline() -> Parameters:
-    """Return the study's device at its default operating point."""
-    return load_study(study_path()).baseline
+    """Return the path of config.yaml, in the checkout."""
+    return Path(__file__).resolve().parents[3] / "config" / "config.yaml"

@@ -2,8 +2,8 @@
 
 from pydantic import Field, model_validator
 
-from model.study.config.base import Falling, ParameterValues, Text
 from model.sweeps.axes import Strict, Tolerance
+from study.config.base import Falling, ParameterValues, Text
 
 
 class Case(Strict):

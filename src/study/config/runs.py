@@ -2,8 +2,8 @@
 
 from pydantic import Field
 
-from model.study.config.base import ParameterValues, Text
 from model.sweeps.axes import Axis, Family, Strict
+from study.config.base import ParameterValues, Text
 
 
 class ClaimRun(Strict):

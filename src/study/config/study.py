@@ -3,15 +3,15 @@
 from pydantic import model_validator
 
 from model.physics.parameters import Parameters, check_name
-from model.study.config.accuracy import Accuracy
-from model.study.config.base import ParameterValues, Text
-from model.study.config.evidence import Evidence
-from model.study.config.figures import FIGURES, FigureSpec, Maps, Plane
-from model.study.config.identification import Identification
-from model.study.config.methods import Precision
-from model.study.config.runs import ClaimRun, Jamming
 from model.sweeps.axes import Strict
 from model.sweeps.settings import RunSettings
+from study.config.accuracy import Accuracy
+from study.config.base import ParameterValues, Text
+from study.config.evidence import Evidence
+from study.config.figures import FIGURES, FigureSpec, Maps, Plane
+from study.config.identification import Identification
+from study.config.methods import Precision
+from study.config.runs import ClaimRun, Jamming
 
 
 class Study(Strict):
@@ -48,7 +48,7 @@ class Study(Strict):
             try:
                 check_name(name, FIGURES, "figure")
             except ValueError as unknown:
-                words = "a new figure is also named in src/model/study/config/figures.py"
+                words = "a new figure is also named in src/study/config/figures.py"
                 raise ValueError(f"{unknown}; {words}") from None
         missing = [name for name in FIGURES if name not in self.figures]
         if missing:

@@ -5,20 +5,20 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from model.study.claims.claims import CLAIMS
-from model.study.claims.data import Tables
-from model.study.config.evidence import Change
-from model.study.config.identification import Grid
-from model.study.evidence.null import CLAIM, VERDICT, Verdicts, tables_at, verdicts_of
-from model.study.identification.space import Space, own_values, space_of
 from model.sweeps.axes import Plan
 from model.sweeps.settings import RunSettings
 from model.sweeps.sweep import Sweep
+from study.claims.claims import CLAIMS
+from study.claims.data import Tables
+from study.config.evidence import Change
+from study.config.identification import Grid
+from study.evidence.null import CLAIM, VERDICT, Verdicts, tables_at, verdicts_of
+from study.identification.space import Space, own_values, space_of
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from model.study.config.study import Study
+    from study.config.study import Study
 
 OWN = "own"  # the study's assumptions
 

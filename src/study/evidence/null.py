@@ -11,20 +11,20 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from model.study.claims.claims import CLAIMS
-from model.study.claims.data import Tables
-from model.study.claims.ledger import VERDICTS, judge
-from model.study.config.evidence import Drawing
-from model.study.config.identification import Grid
-from model.study.identification.candidates import tables_of
-from model.study.identification.space import Array, Space, own_values, space_of
 from model.sweeps.axes import Plan
 from model.sweeps.sweep import Sweep
+from study.claims.claims import CLAIMS
+from study.claims.data import Tables
+from study.claims.ledger import VERDICTS, judge
+from study.config.evidence import Drawing
+from study.config.identification import Grid
+from study.identification.candidates import tables_of
+from study.identification.space import Array, Space, own_values, space_of
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from model.study.config.study import Study
+    from study.config.study import Study
 
 Verdicts = NDArray[np.int8]
 REPRODUCED = VERDICTS.index("reproduced")

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from model.study.claims.ledger import Line
-from model.study.evidence.null import REPRODUCED
+from study.claims.ledger import Line
+from study.evidence.null import REPRODUCED
 
 if TYPE_CHECKING:
     import xarray as xr

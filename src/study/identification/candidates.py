@@ -22,14 +22,14 @@ from model.physics.parameters import FIELDS, Batch
 from model.runs.align import run_once
 from model.runs.insertion_outcome import insertion_outcomes
 from model.runs.unvibrated import unvibrated
-from model.study.claims.claims import CLAIMS, Claim
-from model.study.claims.data import Tables, table_of, with_columns
-from model.study.claims.ledger import Judgement, judge_claim
-from model.study.claims.regime import regime_of
-from model.study.claims.statistics import share
-from model.study.config.identification import Aims, Grid, Problem
-from model.study.identification.space import REST_HORIZON, REST_TOLERANCE, TRACKED, Array, Space
 from model.sweeps.sweep import Sweep, merge, run
+from study.claims.claims import CLAIMS, Claim
+from study.claims.data import Tables, table_of, with_columns
+from study.claims.ledger import Judgement, judge_claim
+from study.claims.regime import regime_of
+from study.claims.statistics import share
+from study.config.identification import Aims, Grid, Problem
+from study.identification.space import REST_HORIZON, REST_TOLERANCE, TRACKED, Array, Space
 
 SAFE = 0.03  # margin from which a claim counts as shown; less may be lost on another grid
 TOWARDS = 0.25  # of a claim, for the distance to what is claimed, so that the search sees a slope

@@ -15,10 +15,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from model.study.claims.claims import CLAIMS, EVERY_FIGURE
-from model.study.claims.data import Tables
-from model.study.config.identification import Grid, HoldOut
-from model.study.identification.candidates import (
+from study.claims.claims import CLAIMS, EVERY_FIGURE
+from study.claims.data import Tables
+from study.config.identification import Grid, HoldOut
+from study.identification.candidates import (
     Scores,
     chosen,
     costs_alone,
@@ -28,8 +28,8 @@ from model.study.identification.candidates import (
     scores_of,
     shortfall_at_last,
 )
-from model.study.identification.search import bounds_of, evolve, final, pool, random_of
-from model.study.identification.space import Array, Space
+from study.identification.search import bounds_of, evolve, final, pool, random_of
+from study.identification.space import Array, Space
 
 _RESTING = 2.0  # claims that the share not resting counts as, where the regime chooses
 _DRAWS = 2_000_000  # number in seeds, beside those of the search

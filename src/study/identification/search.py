@@ -14,9 +14,9 @@ from numpy.random import Generator
 from scipy.optimize import differential_evolution
 from scipy.stats import qmc
 
-from model.study.claims.data import Tables
-from model.study.config.identification import Round, Stage
-from model.study.identification.candidates import (
+from study.claims.data import Tables
+from study.config.identification import Round, Stage
+from study.identification.candidates import (
     Choice,
     Numbers,
     Scores,
@@ -26,7 +26,7 @@ from model.study.identification.candidates import (
     scores_of,
     shortfall_at_last,
 )
-from model.study.identification.space import Array, Space
+from study.identification.space import Array, Space
 
 _STEPS = (0.01, 0.05, 0.2)  # by which operating points are changed, in widths of their priors
 _SMALL_STEPS = (0.003, 0.01, 0.03)  # of structures at last, in widths of their priors

@@ -13,17 +13,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model.engines.results import RESULTS, UNVIBRATED_CONTROL
-from model.study.config.figures import FIGURES
-from model.study.config.identification import Grid, Problem
-from model.study.config.runs import ClaimRun
-from model.study.plans import sweep_of
 from model.sweeps.axes import Axis, Family, Plan
 from model.sweeps.settings import RunSettings
 from model.sweeps.sweep import Sweep
 from model.sweeps.tracks import TRACK_QUANTITIES
+from study.config.figures import FIGURES
+from study.config.identification import Grid, Problem
+from study.config.runs import ClaimRun
+from study.plans import sweep_of
 
 if TYPE_CHECKING:
-    from model.study.config.study import Study
+    from study.config.study import Study
 
 Array = NDArray[np.float64]
 

@@ -8,19 +8,19 @@ from typing import Any
 import numpy as np
 import yaml
 
-from model.study.claims.data import Tables
-from model.study.claims.ledger import VERDICTS, judge
-from model.study.claims.regime import regime_of
-from model.study.csv_tables import csv_text, read_rows
-from model.study.identification.candidates import (
+from study.claims.data import Tables
+from study.claims.ledger import VERDICTS, judge
+from study.claims.regime import regime_of
+from study.csv_tables import csv_text, read_rows
+from study.identification.candidates import (
     Choice,
     Numbers,
     meets_limits,
     numbers_of,
     shortfall_at_last,
 )
-from model.study.identification.search import Found
-from model.study.identification.space import Array, Space, structure_of
+from study.identification.search import Found
+from study.identification.space import Array, Space, structure_of
 
 _SHORTFALL = "shortfall"
 

@@ -7,15 +7,15 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from model.show.report.figures import HEAD, Counts, article, counts_of
-from model.show.report.section import Results, Section, Table, link
-from model.show.words import figure_number, figure_title, percent, short
-from model.study.claims import Tables
-from model.study.claims.ledger import Line, read_ledger
-from model.study.claims.regime import Regime, regime_of
-from model.study.config.figures import MAPS
-from model.study.evidence.worth import shown_by
-from model.study.identification.hold_out import summary
+from study.claims import Tables
+from study.claims.ledger import Line, read_ledger
+from study.claims.regime import Regime, regime_of
+from study.config.figures import MAPS
+from study.evidence.worth import shown_by
+from study.identification.hold_out import summary
+from study.report.figures import HEAD, Counts, article, counts_of
+from study.report.section import Results, Section, Table, link
+from vibralign.plots.words import figure_number, figure_title, percent, short
 
 
 class Finding(NamedTuple):

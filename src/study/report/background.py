@@ -9,10 +9,10 @@ from model.engines.scalar.tableaux import DOP853
 from model.physics.parameters import FIELDS, PARAMETER_NAMES
 from model.physics.variants import VARIANT_NAMES
 from model.runs.settings import Settings
-from model.show.report.section import Results, Section, Table, link, symbol, value_of, values_of
-from model.show.words import figure_title, number
-from model.study.config.figures import COMPUTED
-from model.tracking.job import file_hash, versions
+from study.config.figures import COMPUTED
+from study.report.section import Results, Section, Table, link, symbol, value_of, values_of
+from study.tracking.job import file_hash, versions
+from vibralign.plots.words import figure_title, number
 
 # Number and subject of every disputed equation; model.physics.variants explains its variants.
 VARIANT_WORDS: Mapping[str, tuple[str, str]] = {
@@ -43,7 +43,7 @@ def section(results: Results) -> Section:
     )
     made = (
         "When, where and at which commit each file was made: runs.csv and history/ beside this "
-        "page, and vibralign runs."
+        "page, and python -m study runs."
     )
     packages = [(name, _CODE.format(version)) for name, version in versions().items()]
     # The hashes do not depend on date, machine or checkout.

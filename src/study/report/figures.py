@@ -8,7 +8,8 @@ from markupsafe import Markup
 
 from model.events.outcomes import OUTCOME_TEXT, Outcome, Reason
 from model.physics.parameters import FIELDS
-from model.show.report.section import (
+from study.config.figures import COMPUTED, MAPS, SCHEMATICS
+from study.report.section import (
     Results,
     Section,
     Table,
@@ -16,9 +17,8 @@ from model.show.report.section import (
     link,
     values_of,
 )
-from model.show.style import Bools, Floats, flagged
-from model.show.words import figure_title, power, short
-from model.study.config.figures import COMPUTED, MAPS, SCHEMATICS
+from vibralign.plots.style import Bools, Floats, flagged
+from vibralign.plots.words import figure_title, power, short
 
 HEAD = MAPS[-1]  # the figure at the head of the page, also in README
 _CODE = Markup("<code>{}</code>")

@@ -10,17 +10,17 @@ import numpy as np
 import xarray as xr
 
 from model.events.outcomes import REASON_TEXT, Outcome, Reason
-from model.show import jamming as jamming_plot
-from model.show.report.section import Results, Section, Table, settings_of
-from model.show.words import figure_title, percent, short
-from model.study.claims import VERDICTS, Tables, tally
-from model.study.claims.ledger import Line, read_ledger
-from model.study.claims.regime import regime_of
-from model.study.config.figures import COMPUTED
-from model.study.evidence.worth import is_shown_by_nearly_any, shown_by, shown_by_own, summary
-from model.study.identification import hold_out
-from model.study.jamming import entered, in_jamming_diagram, jammed, wedging_side
 from model.sweeps.vibration import overshoot_of
+from study import jamming_plot
+from study.claims import VERDICTS, Tables, tally
+from study.claims.ledger import Line, read_ledger
+from study.claims.regime import regime_of
+from study.config.figures import COMPUTED
+from study.evidence.worth import is_shown_by_nearly_any, shown_by, shown_by_own, summary
+from study.identification import hold_out
+from study.jamming import entered, in_jamming_diagram, jammed, wedging_side
+from study.report.section import Results, Section, Table, settings_of
+from vibralign.plots.words import figure_title, percent, short
 
 VIBRATION_CAPTION = (
     "What vibration adds over tilt stiffness and pressing force. On the ticked side of the line "

@@ -5,11 +5,11 @@ from pathlib import Path
 
 from markupsafe import Markup
 
-from model.show.report import answer, background, figures, findings
-from model.show.report.section import Results, Section, subscripts
-from model.show.style import FORMATS
-from model.show.templates import templates
-from model.show.words import number, percent, power, short
+from study.report import answer, background, figures, findings
+from study.report.section import Results, Section, subscripts
+from vibralign.plots.style import FORMATS
+from vibralign.plots.templates import templates
+from vibralign.plots.words import number, percent, power, short
 
 Make = Callable[[Results], Section]
 

@@ -18,9 +18,9 @@ import xarray as xr
 from markupsafe import Markup, escape
 
 from model.physics.parameters import FIELDS
-from model.show.words import number, symbol_parts
-from model.study.config.study import Study
 from model.sweeps.io import read_dataset
+from study.config.study import Study
+from vibralign.plots.words import number, symbol_parts
 
 
 @dataclass(frozen=True)

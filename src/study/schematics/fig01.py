@@ -8,9 +8,9 @@ from matplotlib.figure import Figure
 
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 from model.physics.parameters import Parameters
-from model.show import style
-from model.show.schematics.pose import xy
-from model.show.schematics.sheet import Scheme, new_scheme
+from study.schematics.sheet import Scheme, new_scheme
+from vibralign.plots import style
+from vibralign.plots.pose import xy
 
 _KEY = (  # each with its distance below the upper end of the page (cm)
     (1.2, "1  robot arm"),

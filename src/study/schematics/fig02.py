@@ -7,9 +7,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from model.physics.parameters import Parameters
-from model.show import style
-from model.show.schematics.pose import towards, xy
-from model.show.schematics.sheet import Scheme, new_scheme
+from study.schematics.sheet import Scheme, new_scheme
+from vibralign.plots import style
+from vibralign.plots.pose import towards, xy
 
 # The suspension: where it holds the part (half-widths, half-heights); its other end, on the left
 # leg of the platform (-1), its right leg (1) or its plate (0); its symbol, and how far (cm) that is

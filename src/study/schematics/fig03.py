@@ -7,9 +7,9 @@ from matplotlib.figure import Figure
 
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 from model.physics.parameters import Parameters
-from model.show import style
-from model.show.schematics.pose import towards, xy
-from model.show.schematics.sheet import Scheme, new_scheme
+from study.schematics.sheet import Scheme, new_scheme
+from vibralign.plots import style
+from vibralign.plots.pose import towards, xy
 
 _PUSHED = "$N$ along $e_n$\n$\\mu N$ along $+e_t$, while\nthe part slides to the slot"
 _INERTIA = r"$M X_C^{\prime\prime},\ \ M Y_C^{\prime\prime},\ \ I \varphi^{\prime\prime}$"

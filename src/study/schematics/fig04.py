@@ -8,9 +8,9 @@ from matplotlib.patches import Circle, Rectangle
 
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 from model.physics.parameters import Parameters
-from model.show import style
-from model.show.schematics.pose import Pose, resting_pose, xy
-from model.show.schematics.sheet import Place, Scheme
+from study.schematics.sheet import Place, Scheme
+from vibralign.plots import style
+from vibralign.plots.pose import Pose, resting_pose, xy
 
 # In centimetres on paper: the depths as drawn, how far B2 hangs below A2, and the recess in the
 # base that holds its spring and dashpot, along the face and away from it.

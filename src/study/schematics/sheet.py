@@ -16,8 +16,8 @@ from matplotlib.patches import FancyArrowPatch, Polygon
 
 from model.physics.notation import RIGHT_EDGE
 from model.physics.parameters import Parameters
-from model.show import style
-from model.show.schematics.pose import Point, Pose, resting_pose, towards
+from vibralign.plots import style
+from vibralign.plots.pose import Point, Pose, resting_pose, towards
 
 Place = Sequence[float] | Point  # a point, or a shift from one in centimetres
 _Strokes = Sequence[tuple[float, Sequence[tuple[float, float]]]]

@@ -18,18 +18,19 @@ from model.compile.cache import cache_folder
 from model.compile.outline import outline
 from model.sweeps.files import write_text
 
-_PACKAGE = Path(__file__).resolve().parents[1]
+_SOURCES = Path(__file__).resolve().parents[2]
+_PACKAGES = ("model", "vibralign", "study")  # in the folder of the sources
 _BESIDE = ("verification", "benchmarks")  # packages of the checkout
-_RECORDS = "tracking"  # not hashed: recording a job changes none of its results
+_RECORDS = ["study", "tracking"]  # not hashed: recording a job changes none of its results
 
 
 def _module_file(name: str) -> Path | None:
-    """Return the source of a module of this package or of one beside it, or None."""
-    top, *rest = name.split(".")
-    if top == _PACKAGE.name and rest[:1] != [_RECORDS]:
-        base = _PACKAGE.joinpath(*rest)
-    elif top in _BESIDE:
-        base = _PACKAGE.parents[1].joinpath(top, *rest)
+    """Return the source of a module of this project, or None."""
+    parts = name.split(".")
+    if parts[0] in _PACKAGES and parts[:2] != _RECORDS:
+        base = _SOURCES.joinpath(*parts)
+    elif parts[0] in _BESIDE:
+        base = _SOURCES.parent.joinpath(*parts)
     else:
         return None
     candidates = (base.with_suffix(".py"), base / "__init__.py")
@@ -99,7 +100,7 @@ def code_of(project: Path, source: str) -> list[str]:
     ``source`` is a path below ``project``. Names of files do not depend on where the package and
     the project are installed.
     """
-    roots = (_PACKAGE.parent, project.resolve(), _PACKAGE.parents[1])
+    roots = (_SOURCES, project.resolve(), _SOURCES.parent)
 
     def name(file: Path) -> str:
         root = next(root for root in roots if file.is_relative_to(root))

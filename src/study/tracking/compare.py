@@ -1,4 +1,4 @@
-"""Comparison of datasets and of verdicts, for `vibralign diff`, `verify` and `accept`.
+"""Comparison of datasets and of verdicts, for `python -m study diff`, `verify` and `accept`.
 
 Variables are compared by name, over the points that both datasets have. xarray aligns the points;
 its ``testing.assert_allclose`` is not used, because it says neither where data differ nor by how
@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from model.tracking import TrackingError
+from study.tracking import TrackingError
 
 if TYPE_CHECKING:  # the command line works without xarray until data are compared
     import xarray as xr

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from model.tracking import TrackingError
-from model.tracking.compare import (
+from study.tracking import TrackingError
+from study.tracking.compare import (
     CLAIMS,
     Change,
     Difference,
@@ -16,7 +16,7 @@ from model.tracking.compare import (
     common_points,
     differences,
 )
-from model.tracking.history import Record, sidecars
+from study.tracking.history import Record, sidecars
 
 
 @dataclass(frozen=True)

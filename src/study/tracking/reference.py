@@ -18,12 +18,12 @@ from numpy.typing import NDArray
 from model.engines.results import RESULTS, TRACK_VARIABLES, UNVIBRATED_CONTROL
 from model.engines.tolerances import Compared
 from model.events.outcomes import Reason
-from model.study.config.figures import COMPUTED, SCHEMATICS
-from model.study.csv_tables import csv_text
 from model.sweeps.files import atomic_write, write_text
 from model.sweeps.io import read_dataset
-from model.tracking import TrackingError
-from model.tracking.compare import (
+from study.config.figures import COMPUTED, SCHEMATICS
+from study.csv_tables import csv_text
+from study.tracking import TrackingError
+from study.tracking.compare import (
     CLAIMS,
     Change,
     change_of,
@@ -31,7 +31,7 @@ from model.tracking.compare import (
     changes_of,
     common_points,
 )
-from model.tracking.job import git_state
+from study.tracking.job import git_state
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -149,7 +149,7 @@ def verify(root: Path, reference: Path, figures: Sequence[str] = COMPUTED) -> li
     for figure in figures:
         accepted, built = reference / f"{figure}.nc", root / "data" / f"{figure}.nc"
         if not accepted.is_file():
-            words = f"has no reference: vibralign accept --figure {figure} --reason ..."
+            words = f"has no reference: python -m study accept --figure {figure} --reason ..."
             findings.append(Disagreement(figure, "dataset", 0, words))
         elif not built.is_file():
             findings.append(Disagreement(figure, "dataset", 0, f"{built} is missing: build it"))

@@ -10,7 +10,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from model.tracking import TrackingError
+from study.tracking import TrackingError
 
 _LOGS = Path(".snakemake/slurm_logs")
 _QUESTION = ("squeue", "--noheader", "--format=%i|%Z|%k")  # number, folder, comment

@@ -14,19 +14,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from model.device import StatedDevice
-from model.device.batches import Values
-from model.device.cases import OF_BASE, cases_of, on_bases, parameters_in, stated_case
-from model.device.causes import cause_of, first_change
-from model.device.leeways import Leeway, Nearest, a_step_inside, leeways, nearest, together
-from model.device.reliability import (
-    FORCES,
-    STATISTICAL_TOLERANCE,
-    are_late,
-    are_reliable,
-    from_every_start,
-)
-from model.device.runs import AnyDevice, device_of
 from model.events.insertion import INSERTION
 from model.physics.parameters import Batch, Parameters
 from model.physics.tables import Value
@@ -34,6 +21,19 @@ from model.runs.settings import Settings
 from model.runs.simulate import Trajectory, simulate_once
 from model.sweeps.settings import Ensemble
 from model.sweeps.starts import Starts, every_start, starts_of
+from vibralign.answers.cases import OF_BASE, cases_of, on_bases, parameters_in, stated_case
+from vibralign.answers.causes import cause_of, first_change
+from vibralign.answers.leeways import Leeway, Nearest, a_step_inside, leeways, nearest, together
+from vibralign.answers.reliability import (
+    FORCES,
+    STATISTICAL_TOLERANCE,
+    are_late,
+    are_reliable,
+    from_every_start,
+)
+from vibralign.device import StatedDevice
+from vibralign.device.batches import Values
+from vibralign.device.runs import AnyDevice, device_of
 
 _HOPPING = 8  # number of cases whose touch-downs are examined
 _SAME_TIME = 0.02  # relative difference below which two times count as equal

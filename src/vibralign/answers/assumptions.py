@@ -5,16 +5,16 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from model.device import StatedDevice
-from model.device.base import USUAL_STIFFNESS
-from model.device.reliability import STATISTICAL_TOLERANCE
 from model.events.outcomes import Outcome
 from model.physics.parameters import Batch, Parameters
 from model.physics.quantities import ANGLE, DAMPING, LENGTH, STIFFNESS, TIME
 from model.physics.units import Units
 from model.runs.settings import Settings
-from model.show.si import in_words, named_words, quantity_of, si_words
 from model.sweeps.settings import Ensemble
+from vibralign.answers.reliability import STATISTICAL_TOLERANCE
+from vibralign.answers.si import in_words, named_words, quantity_of, si_words
+from vibralign.device import StatedDevice
+from vibralign.device.base import USUAL_STIFFNESS
 
 _AMOUNTS = re.compile(r"(-?\d[\d.]*(?:e[-+]?\d+)?(?: (?:[kMG]?N(?: s)?/m|m?m|m?s|rad)\b)?)")
 _STARTS = {

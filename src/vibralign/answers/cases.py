@@ -14,13 +14,13 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from model.device.base import MATERIALS, damping_ratio_of, hertz_stiffness
-from model.device.stated import StatedDevice
 from model.physics.geometry import lever_if_flat
 from model.physics.parameters import Batch, Parameters, Shape
 from model.physics.units import Units
 from model.sweeps.settings import Ensemble
 from model.sweeps.starts import Starts, starts_of
+from vibralign.device.base import MATERIALS, damping_ratio_of, hertz_stiffness
+from vibralign.device.stated import StatedDevice
 
 SOFTEST = 100.0  # contact stiffness over axial stiffness
 LEVELS = 4  # stiffnesses, the logarithms equidistant

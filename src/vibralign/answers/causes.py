@@ -6,12 +6,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from model.device.leeways import Nearest
 from model.events.outcomes import REASON_TEXT, Outcome, Reason
 from model.physics.contacts import support_on_face
 from model.physics.notation import RIGHT_EDGE, State
 from model.physics.parameters import Shape, constants_of
 from model.runs.simulate import Trajectory
+from vibralign.answers.leeways import Nearest
 
 _STICKS = 0.99  # share of the time
 _SOFTER = (("tilt_stiffness", -1), ("friction", -1), ("amplitude", 1), ("press_force", 1))

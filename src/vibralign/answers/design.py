@@ -19,17 +19,17 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import optimize, stats
 
-from model.device import StatedDevice, Tolerance
-from model.device.cases import cases_of
-from model.device.design_trials import MEASURES, Check, Row, Trials
-from model.device.reliability import Floats
-from model.device.runs import AnyDevice, device_of
-from model.device.stated import unit_of
-from model.device.yields import DEVICES, check_devices, interval
 from model.events.insertion import INSERTION
 from model.physics.tables import Value
 from model.runs.settings import Settings
 from model.sweeps.settings import Ensemble
+from vibralign.answers.cases import cases_of
+from vibralign.answers.design_trials import MEASURES, Check, Row, Trials
+from vibralign.answers.reliability import Floats
+from vibralign.answers.yields import DEVICES, check_devices, interval
+from vibralign.device import StatedDevice, Tolerance
+from vibralign.device.runs import AnyDevice, device_of
+from vibralign.device.stated import unit_of
 
 MARGIN_STEP = 0.25
 GENERATIONS, POPULATION = 12, 24  # of the search, by default

@@ -12,9 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from model.device.design import Design, Known, Tried, checked, rounded
-from model.device.design_trials import Trials
-from model.device.reliability import Floats
+from vibralign.answers.design import Design, Known, Tried, checked, rounded
+from vibralign.answers.design_trials import Trials
+from vibralign.answers.reliability import Floats
 
 STEP = 0.5  # of a range or limit, by which it is widened
 _BEST = 4  # settings that are tried beyond an end of a range

@@ -5,11 +5,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from model.device import StatedDevice
-from model.device.design import Design
-from model.device.stated import unit_of
-from model.device.yields import CONFIDENCE
 from model.sweeps.io import NO_YES
+from vibralign.answers.design import Design
+from vibralign.answers.yields import CONFIDENCE
+from vibralign.device import StatedDevice
+from vibralign.device.stated import unit_of
 
 _NAMES = {
     "time": ("longest time until alignment within the tolerances, of the runs that go in", "s"),

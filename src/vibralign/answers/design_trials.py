@@ -16,10 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
-from model.device import StatedDevice
-from model.device.amounts import SIGMAS
-from model.device.batches import Values
-from model.device.reliability import (
+from model.physics.parameters import FIELDS
+from model.physics.tables import Value
+from model.runs.settings import Settings
+from model.sweeps.starts import Starts
+from vibralign.answers.reliability import (
     STATISTICAL_TOLERANCE,
     DeviceResults,
     Floats,
@@ -27,11 +28,10 @@ from model.device.reliability import (
     need_vibration,
     run_devices,
 )
-from model.device.yields import DEVICES, drawn, nearest_failing
-from model.physics.parameters import FIELDS
-from model.physics.tables import Value
-from model.runs.settings import Settings
-from model.sweeps.starts import Starts
+from vibralign.answers.yields import DEVICES, drawn, nearest_failing
+from vibralign.device import StatedDevice
+from vibralign.device.amounts import SIGMAS
+from vibralign.device.batches import Values
 
 POINTS = 16  # devices drawn within the tolerances of a setting, a power of two
 QUARTERS = 4  # the quick trial takes one start of every four

@@ -6,7 +6,7 @@ from model.events.outcomes import Outcome
 from model.physics.quantities import FORCE
 from model.physics.units import Units
 from model.runs.settings import Settings
-from model.show.si import in_words, si_words
+from vibralign.answers.si import in_words, si_words
 
 
 def forces_words(

@@ -22,9 +22,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from model.device import StatedDevice
 from model.physics.parameters import Parameters
 from model.physics.units import UNITS
+from vibralign.device import StatedDevice
 
 VARIED = (
     "press_force", "frequency", "tilt_stiffness", "lateral_stiffness", "inertia", "friction",

@@ -7,7 +7,7 @@ from model.physics.parameters import Parameters, Shape, constants_of
 from model.physics.quantities import ANGLE, LENGTH
 from model.physics.units import Units
 from model.runs.settings import Settings
-from model.show.si import in_words, scale
+from vibralign.answers.si import in_words, scale
 
 _PLACES: dict[Shape, str] = {"square": "the far edge", "round": "the tips of the crescent"}
 _STANDS = 0.01  # doubt of the lever that is worth a line

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.device import StatedDevice
-from model.device.assess import Assessment
-from model.device.reliability import need_vibration
-from model.device.yields import Yield
 from model.runs.settings import Settings
+from vibralign.answers.assess import Assessment
+from vibralign.answers.reliability import need_vibration
+from vibralign.answers.yields import Yield
+from vibralign.device import StatedDevice
 
 
 @dataclass(frozen=True)

@@ -8,10 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import AfterValidator
 
-from model.device.base import BASE, CENTRE, CENTRE_WORDS
-from model.device.batches import by_settings, devices_of, rows_of
-from model.device.holder import RATIOS
-from model.device.stated import QUANTITIES, StatedDevice
 from model.engines.results import RESULTS, UNVIBRATED_CONTROL
 from model.physics.parameters import FIELDS, Batch, Parameters, check_name
 from model.physics.quantities import ANGLE, LENGTH, PLAIN
@@ -19,6 +15,10 @@ from model.physics.units import UNITS
 from model.sweeps.axes import Axis, check_plane
 from model.sweeps.settings import Ensemble, RunSettings
 from model.sweeps.sweep import Group, Sweep
+from vibralign.device.base import BASE, CENTRE, CENTRE_WORDS
+from vibralign.device.batches import by_settings, devices_of, rows_of
+from vibralign.device.holder import RATIOS
+from vibralign.device.stated import QUANTITIES, StatedDevice
 
 _VARIABLES = (
     "outcome", "reason", "tau_align", "tau_error", "sensitive", "contact_force_max",

@@ -13,12 +13,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from model.device import StatedDevice
-from model.device.amounts import read_amount
-from model.device.batches import Values, by_settings, devices_of, rows_of
-from model.device.cases import cases_of, on_bases
-from model.device.runs import AnyDevice, devices_in
-from model.device.stated import QUANTITIES, unit_of
 from model.events.insertion import INSERTION
 from model.events.outcomes import Outcome, Unvibrated
 from model.events.table import PLACES_OF_CONTACT
@@ -29,6 +23,12 @@ from model.runs.settings import Settings
 from model.runs.unvibrated import unvibrated
 from model.sweeps.settings import Ensemble
 from model.sweeps.starts import Starts, every_start
+from vibralign.answers.cases import cases_of, on_bases
+from vibralign.device import StatedDevice
+from vibralign.device.amounts import read_amount
+from vibralign.device.batches import Values, by_settings, devices_of, rows_of
+from vibralign.device.runs import AnyDevice, devices_in
+from vibralign.device.stated import QUANTITIES, unit_of
 
 Floats = NDArray[np.float64]
 STATISTICAL_TOLERANCE = 1e-6  # local error of a step; yields are the same as at 1e-10

@@ -6,9 +6,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from model.device.base import BASE, CENTRE
-from model.device.holder import RATIOS, natural_frequencies
-from model.device.stated import unit_of
 from model.physics.parameters import FIELDS, Parameters
 from model.physics.quantities import (
     ANGLE,
@@ -22,6 +19,9 @@ from model.physics.quantities import (
     Quantity,
 )
 from model.physics.units import UNITS, Units
+from vibralign.device.base import BASE, CENTRE
+from vibralign.device.holder import RATIOS, natural_frequencies
+from vibralign.device.stated import unit_of
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -17,15 +17,15 @@ from typing import Any
 import numpy as np
 import scipy
 
-from model.device import StatedDevice, Tolerance, load_device
-from model.device.cases import cases_of, stated_case
-from model.device.reliability import DeviceResults, Floats, need_vibration, run_devices
 from model.events.insertion import INSERTION
 from model.physics.parameters import FIELDS
 from model.physics.tables import Value
 from model.runs.settings import Settings
 from model.sweeps.settings import Ensemble
 from model.sweeps.starts import Starts
+from vibralign.answers.cases import cases_of, stated_case
+from vibralign.answers.reliability import DeviceResults, Floats, need_vibration, run_devices
+from vibralign.device import StatedDevice, Tolerance, load_device
 
 CONFIDENCE = 0.95
 QUANTILES = (0.05, 0.5, 0.95)

@@ -6,66 +6,25 @@ Every refusal is a ValueError of one line that names the value, the rule and the
 import argparse
 import shlex
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, get_args
 
-from model.cli.tables import in_columns
 from model.compile.cache import cache_folder
-from model.device import StatedDevice, load_device
-from model.device.amounts import read_amount
-from model.device.base import BASE, CENTRE, CENTRE_WORDS
-from model.device.holder import RATIOS
-from model.device.spelling import plain
 from model.physics.parameters import FIELDS, PARAMETER_NAMES, Parameters, Shape, check_name
 from model.physics.quantities import LENGTH, TIME
 from model.physics.rest import Start
 from model.physics.units import UNITS, Units
 from model.physics.variants import VARIANT_NAMES, Variant, Variants
 from model.runs.settings import SCENES, Settings
-from model.study.config import FIGURES, Study, load_study, study_path
-
-
-def add_command(
-    commands: Any,
-    name: str,
-    run: Callable[[argparse.Namespace], int],
-    words: str,
-    more: str = ".",
-    epilog: str | None = None,
-) -> Any:
-    """Add a command to the parsers of ``vibralign`` and return its own parser.
-
-    ``run`` takes the parsed arguments and returns the exit code. ``words`` are the summary in the
-    list of commands; the description is ``words`` followed by ``more``.
-    """
-    description = f"{words[0].upper()}{words[1:]}{more}"
-    parser = commands.add_parser(
-        name, help=words, description=description, epilog=epilog, allow_abbrev=False
-    )
-    parser.set_defaults(run=run)
-    return parser
-
-
-def add_json(parser: Any) -> None:
-    """Add --json."""
-    parser.add_argument("--json", action="store_true", help="print everything as JSON")
-
-
-def add_root(
-    parser: Any, words: str = "results root with the history", default: str = "results"
-) -> None:
-    """Add --root; ``words`` say which results root it is."""
-    words = f"{words} (default: {default})"
-    parser.add_argument("--root", type=Path, default=Path(default), metavar="DIR", help=words)
-
-
-def figure_name(text: str) -> str:
-    """Return the name of a figure, ``fig06``, given as fig06, 06 or 6."""
-    name = f"fig{int(text):02}" if text.isdecimal() else text
-    check_name(name, FIGURES, "figure")
-    return name
+from vibralign.commands.tables import in_columns
+from vibralign.device import StatedDevice, load_device
+from vibralign.device.amounts import read_amount
+from vibralign.device.base import BASE, CENTRE, CENTRE_WORDS
+from vibralign.device.holder import RATIOS
+from vibralign.device.paper import baseline
+from vibralign.device.spelling import plain
 
 
 def add_model_options(
@@ -75,7 +34,7 @@ def add_model_options(
 
     ``scene`` is the default of --scene; ``dimensionless`` adds --dimensionless.
     """
-    parser.appendix = lambda: parameter_table(load_study(study_path()).baseline)
+    parser.appendix = lambda: parameter_table(baseline())
     add = parser.add_argument
     words = "the device, its quantities in SI units or with units as in docs/peg.yaml; --set and "
     words += "--horizon are then read in the same way (12 N, 0.8 mm); answers are in SI units"
@@ -85,14 +44,14 @@ def add_model_options(
         add("--dimensionless", action="store_true", help=words)
     words = "set a parameter of the table below; may be repeated"
     add("--set", action="append", default=[], metavar="NAME=VALUE", dest="changes", help=words)
-    words = "variant of all disputed equations of the paper (default: as in the study)"
+    words = "variant of all disputed equations of the paper (default: consistent)"
     add("--readings", choices=get_args(Variant), help=words)
     names = ", ".join(VARIANT_NAMES)
     words = f"variant of one equation, consistent or printed; may be repeated: {names}"
     metavar = "NAME=READING"
     add("--reading", action="append", default=[], metavar=metavar, dest="switches", help=words)
     words = "press and vibration set in together, or the part rests under a slow press before it "
-    words += "vibrates (default: as in the device's file, or the study)"
+    words += "vibrates (default: as in the device's file, else simultaneous)"
     add("--start", choices=get_args(Start), help=words)
     words = (
         "round part in a round hole, or a square one beside a slot as in the paper (default: as "
@@ -105,9 +64,9 @@ def add_model_options(
     words = "depth at which a part counts as inserted, in metres with --device; needs --scene "
     words += "insertion (default: half of what the press reaches, and at most the half-width)"
     add("--insertion-depth", metavar="DEPTH", help=words)
-    words = "latest time, in seconds with --device, else in units of 1/p (default: the study's)"
+    words = "latest time, in seconds with --device, else in units of 1/p (default: 300/p)"
     add("--horizon", metavar="H", help=words)
-    add("--tolerance", metavar="T", help="local error of a step (default: that of the study)")
+    add("--tolerance", metavar="T", help="local error of a step (default: 1e-10)")
 
 
 def announce_compilation() -> None:
@@ -150,7 +109,6 @@ def number(name: str, text: str, rule: str = "must be a number") -> float:
 class Inputs:
     """Device and settings that the options of ``add_model_options`` state, checked."""
 
-    study: Study  # its device and settings hold where no option changes them
     stated: StatedDevice | None  # the device as its file states it, None without --device
     units: Units | None  # likewise
     parameters: Parameters  # of the device, dimensionless
@@ -160,16 +118,14 @@ class Inputs:
 def read_inputs(arguments: argparse.Namespace) -> Inputs:
     """Return the device and the settings of a command, and warn of doubtful values.
 
-    Without --device, --set changes the device of the study.
+    Without --device, --set changes the device of the paper's study.
     """
-    study = load_study(study_path())
     stated = _stated_device(arguments)
-    settings = _settings(study.settings.settings, arguments, stated)
+    settings = _settings(arguments, stated)
     if stated is None:
-        parameters = _changed(study.baseline, arguments.changes)
-        return Inputs(study, None, None, parameters, settings)
+        return Inputs(None, None, _changed(baseline(), arguments.changes), settings)
     settings = stated.run_settings(settings, stated.units)
-    return Inputs(study, stated, stated.units, stated.parameters, settings)
+    return Inputs(stated, stated.units, stated.parameters, settings)
 
 
 def _stated_device(arguments: argparse.Namespace) -> StatedDevice | None:
@@ -187,7 +143,7 @@ def _stated_device(arguments: argparse.Namespace) -> StatedDevice | None:
     return stated
 
 
-def _changed(baseline: Parameters, given: Sequence[str]) -> Parameters:
+def _changed(device: Parameters, given: Sequence[str]) -> Parameters:
     changes: dict[str, float | None] = {}
     for name, text in pairs(given, "--set").items():
         check_name(name, PARAMETER_NAMES, "parameter")
@@ -196,23 +152,21 @@ def _changed(baseline: Parameters, given: Sequence[str]) -> Parameters:
             changes[name] = None
         else:
             changes[name] = number(name, text, field.rule)
-    return baseline.replace(**changes)
+    return device.replace(**changes)
 
 
-def _settings(
-    of_study: Settings, arguments: argparse.Namespace, stated: StatedDevice | None
-) -> Settings:
-    """Return the study's settings, changed by the options.
+def _settings(arguments: argparse.Namespace, stated: StatedDevice | None) -> Settings:
+    """Return the default settings, changed by the options.
 
     Horizon and depth of a ``stated`` device are in SI units, and not changed here.
     """
-    switches: dict[str, Any] = asdict(of_study.readings)
+    switches: dict[str, Any] = asdict(Variants())
     if arguments.readings:
         switches = dict.fromkeys(VARIANT_NAMES, arguments.readings)
     for name, value in pairs(arguments.switches, "--reading").items():
         check_name(name, VARIANT_NAMES, "reading")
         switches[name] = value
-    horizon, tolerance, depth = of_study.horizon, of_study.tolerance, None
+    horizon, tolerance, depth = Settings.horizon, Settings.tolerance, None
     if arguments.horizon is not None and stated is None:
         horizon = number("horizon", arguments.horizon)
     if arguments.insertion_depth is not None and stated is None:
@@ -223,18 +177,18 @@ def _settings(
         readings=Variants(**switches),
         scene=SCENES[arguments.scene],
         shape=arguments.shape,
-        start=arguments.start or (stated and stated.start) or of_study.start,
+        start=arguments.start or (stated and stated.start) or "simultaneous",
         insertion_depth=depth,
         horizon=horizon,
         tolerance=tolerance,
     )
 
 
-def parameter_table(baseline: Parameters) -> str:
-    """List name, symbol, baseline, SI unit and meaning of every quantity that a device states."""
-    rows = [("name", "symbol", "baseline", "SI unit", "meaning")]
+def parameter_table(device: Parameters) -> str:
+    """List name, symbol, default, SI unit and meaning of every quantity that a device states."""
+    rows = [("name", "symbol", "default", "SI unit", "meaning")]
     for name, field in FIELDS.items():
-        value = getattr(baseline, name)
+        value = getattr(device, name)
         default = f"as {field.derived}" if value is None else f"{value:g}"
         rule = field.rule.removeprefix("must be a finite number").removeprefix(",").strip()
         words = field.description + (f"; {rule}" if rule else "")

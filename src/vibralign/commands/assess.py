@@ -8,40 +8,39 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from model.cli.arguments import (
-    add_command,
-    add_json,
-    add_model_options,
-    announce_compilation,
-    number,
-    read_inputs,
-)
-from model.cli.files import check_file, check_picture
-from model.cli.limits import exceeded_words, limit_lines
-from model.cli.progress import ProgressLine
-from model.cli.simulate import unvibrated_record
-from model.cli.tables import in_columns, print_json
-from model.cli.tables import report_line as _line
-from model.cli.yields import yield_record, yield_report, yield_words
 from model.events.outcomes import SUCCESS_TEXT
 from model.physics.parameters import Parameters
 from model.physics.quantities import ANGLE, FORCE, SPEED, STIFFNESS, TIME
 from model.physics.units import Units
 from model.runs.unvibrated import unvibrated_words
-from model.show import si
-from model.show.assumptions import assumptions, lines_of, source_words
-from model.show.forces import forces_words
-from model.show.lever import lever_record, lever_words, wall_words
+from vibralign.answers import si
+from vibralign.answers.assumptions import assumptions, lines_of, source_words
+from vibralign.answers.forces import forces_words
+from vibralign.answers.lever import lever_record, lever_words, wall_words
+from vibralign.commands.arguments import (
+    add_model_options,
+    announce_compilation,
+    number,
+    read_inputs,
+)
+from vibralign.commands.files import check_file, check_picture
+from vibralign.commands.limits import exceeded_words, limit_lines
+from vibralign.commands.program import add_command, add_json
+from vibralign.commands.progress import ProgressLine
+from vibralign.commands.simulate import unvibrated_record
+from vibralign.commands.tables import in_columns, print_json
+from vibralign.commands.tables import report_line as _line
+from vibralign.commands.yields import yield_record, yield_report, yield_words
 
 if TYPE_CHECKING:
-    from model.device import StatedDevice
-    from model.device.assess import Assessment, BaseVerdict
-    from model.device.design_trials import Check
-    from model.device.leeways import Leeway, Nearest
-    from model.device.limits import LimitResult
-    from model.device.yields import FailingDevice, Yield
     from model.runs.settings import Settings
     from model.sweeps.starts import Starts
+    from vibralign.answers.assess import Assessment, BaseVerdict
+    from vibralign.answers.design_trials import Check
+    from vibralign.answers.leeways import Leeway, Nearest
+    from vibralign.answers.limits import LimitResult
+    from vibralign.answers.yields import FailingDevice, Yield
+    from vibralign.device import StatedDevice
 
 _FEW = 256  # devices drawn where the stated device goes in from no start: the yield is low
 
@@ -85,11 +84,12 @@ def _assess(arguments: argparse.Namespace) -> int:
         if stated is None:
             raise ValueError("--sheet needs --device FILE")
     announce_compilation()
-    from model.device.assess import assess  # noqa: PLC0415  (only this command)
-    from model.device.cases import cases_of  # noqa: PLC0415
-    from model.device.limits import limit_results  # noqa: PLC0415
+    from model.sweeps.settings import Ensemble  # noqa: PLC0415
+    from vibralign.answers.assess import assess  # noqa: PLC0415  (only this command)
+    from vibralign.answers.cases import cases_of  # noqa: PLC0415
+    from vibralign.answers.limits import limit_results  # noqa: PLC0415
 
-    ensemble, cores = given.study.maps.ensemble, os.cpu_count() or 1
+    ensemble, cores = Ensemble(), os.cpu_count() or 1
     drawn, nearest = None, None
     with ProgressLine() as line:
         line.begin("starts, bases and leeways")
@@ -136,12 +136,12 @@ def _assess(arguments: argparse.Namespace) -> int:
     head = [_line("device", source), _line("verdict", verdict)]
     print("\n".join([*head, *(line for lines in groups.values() for line in lines)]))
     if arguments.sheet is not None and stated is not None:
-        from model.cli.sheet import write_sheet  # noqa: PLC0415  (as above)
+        from vibralign.commands.sheet import write_sheet  # noqa: PLC0415  (as above)
 
         good = result.reliable and kept and (drawn is None or drawn.share == 1.0)
         with ProgressLine() as line:
             line.begin("map of the sheet")
-            write_sheet(arguments.sheet, stated, (verdict, good), groups, given.study, settings)
+            write_sheet(arguments.sheet, stated, (verdict, good), groups, settings)
     return int(not met)
 
 
@@ -165,7 +165,7 @@ def _required(
     arguments: argparse.Namespace, stated: "StatedDevice | None"
 ) -> tuple[float | None, int]:
     """Return the yield of --require, or None, and the number of --devices."""
-    from model.device.yields import check_devices  # noqa: PLC0415  (only this command)
+    from vibralign.answers.yields import check_devices  # noqa: PLC0415  (only this command)
 
     devices = check_devices(number("devices", arguments.devices))
     if arguments.require is None:
@@ -187,8 +187,8 @@ def _drawn(
     devices: int,
 ) -> tuple["Yield", "FailingDevice | None"]:
     """Return the yield of a device, and the nearest drawn device that fails."""
-    from model.device import yields  # noqa: PLC0415  (scipy)
-    from model.device.reliability import STATISTICAL_TOLERANCE  # noqa: PLC0415
+    from vibralign.answers import yields  # noqa: PLC0415  (scipy)
+    from vibralign.answers.reliability import STATISTICAL_TOLERANCE  # noqa: PLC0415
 
     settings = replace(settings, tolerance=max(settings.tolerance, STATISTICAL_TOLERANCE))
     if not result.aligned:

@@ -8,16 +8,16 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from model.cli.arguments import (
+from model.sweeps.settings import Ensemble
+from vibralign.answers.assumptions import as_attribute, assumptions_with, lines_of
+from vibralign.commands.arguments import (
     Inputs,
-    add_command,
-    add_json,
     add_model_options,
     announce_compilation,
     number,
     read_inputs,
 )
-from model.cli.design_words import (
+from vibralign.commands.design_words import (
     Answer,
     Changes,
     change_line,
@@ -27,17 +27,17 @@ from model.cli.design_words import (
     report,
     so_far,
 )
-from model.cli.files import check_file, check_picture, writing
-from model.cli.progress import ProgressLine
-from model.cli.tables import print_json
-from model.device.stated import StatedDevice
-from model.show.assumptions import as_attribute, assumptions_with, lines_of
+from vibralign.commands.files import check_file, check_picture, writing
+from vibralign.commands.program import add_command, add_json
+from vibralign.commands.progress import ProgressLine
+from vibralign.commands.tables import print_json
+from vibralign.device.stated import StatedDevice
 
 if TYPE_CHECKING:
-    from model.device.assess import Assessment
-    from model.device.design import Design, Known
-    from model.device.design_changes import Change
-    from model.device.design_trials import Trials
+    from vibralign.answers.assess import Assessment
+    from vibralign.answers.design import Design, Known
+    from vibralign.answers.design_changes import Change
+    from vibralign.answers.design_trials import Trials
 
 
 def add(commands: Any) -> None:
@@ -83,11 +83,11 @@ def _design(arguments: argparse.Namespace) -> int:
         for name, least in (("generations", 1), ("population", 5), ("seed", 0))
     )
     given = read_inputs(arguments)
-    from model.device.design import Known, search, trials_of  # noqa: PLC0415  (only this command)
+    from vibralign.answers.design import Known, search, trials_of  # noqa: PLC0415  (only this command)
 
     assert given.stated is not None  # noqa: S101  (--device is given)
     trials = trials_of(
-        given.stated, given.settings, given.study.maps.ensemble, os.cpu_count() or 1, seed,
+        given.stated, given.settings, Ensemble(), os.cpu_count() or 1, seed,
         number("devices", arguments.devices),
     )  # fmt: skip
     announce_compilation()
@@ -101,7 +101,7 @@ def _design(arguments: argparse.Namespace) -> int:
         print(f"vibralign: {so_far(trials, known)}", file=sys.stderr)
         raise
     assumed = assumptions_with(
-        trials.stated, design.setting, given.settings, given.study.maps.ensemble,
+        trials.stated, design.setting, given.settings, Ensemble(),
         tolerances_assumed=trials.stated is not given.stated,
     )  # fmt: skip
     if not arguments.json:
@@ -126,8 +126,8 @@ def _try_changes(answer: Answer, known: "Known", tell: "Callable[[Change], None]
 
     An interrupt ends it too; what was tried is kept. ``tell`` is called after each change.
     """
-    from model.device.design_changes import attempted, proposed  # noqa: PLC0415  (as in _design)
-    from model.device.design_trials import Runs, SpentError  # noqa: PLC0415
+    from vibralign.answers.design_changes import attempted, proposed  # noqa: PLC0415  (as in _design)
+    from vibralign.answers.design_trials import Runs, SpentError  # noqa: PLC0415
 
     design, trials = answer.design, answer.trials
     proposals, changes = proposed(design, trials.stated.tolerances), list["Change"]()
@@ -149,12 +149,12 @@ def _try_changes(answer: Answer, known: "Known", tell: "Callable[[Change], None]
 
 def _assessed(design: "Design", trials: "Trials", given: Inputs) -> "Assessment":
     """Return what ``assess`` says of the recommended setting."""
-    from model.device.assess import assess  # noqa: PLC0415  (as in _design)
+    from vibralign.answers.assess import assess  # noqa: PLC0415  (as in _design)
 
     stated = trials.stated.changed(**design.setting)
     settings = stated.run_settings(given.settings, stated.units)
     helpless = not design.tried.share[design.best] > 0.0  # as stated it does not go in
-    return assess(stated, settings, given.study.maps.ensemble, trials.cores, vary=helpless)
+    return assess(stated, settings, Ensemble(), trials.cores, vary=helpless)
 
 
 def _write(
@@ -166,7 +166,7 @@ def _write(
     """Write the files that are asked for."""
     if arguments.out is None and arguments.plot is None:
         return
-    from model.device.design_files import design_dataset  # noqa: PLC0415  (as in _design)
+    from vibralign.answers.design_files import design_dataset  # noqa: PLC0415  (as in _design)
 
     dataset = design_dataset(stated, design).assign_attrs(assumptions=as_attribute(assumed))
     with writing():
@@ -175,8 +175,8 @@ def _write(
 
             write_dataset(dataset, arguments.out)
         if arguments.plot is not None:
-            from model.show.curves import draw_front  # noqa: PLC0415
-            from model.show.style import write  # noqa: PLC0415
+            from vibralign.plots.curves import draw_front  # noqa: PLC0415
+            from vibralign.plots.style import write  # noqa: PLC0415
 
             write(draw_front(dataset), arguments.plot)
 

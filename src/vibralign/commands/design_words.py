@@ -4,21 +4,21 @@ import shlex
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from model.cli.arguments import set_options
-from model.cli.assess import headline
-from model.cli.limits import MEASURES
-from model.cli.tables import in_columns
-from model.device.stated import VIBRATION
 from model.physics.quantities import TIME
-from model.show.forces import forces_words
-from model.show.si import named_words, quantity_of, si_words
+from vibralign.answers.forces import forces_words
+from vibralign.answers.si import named_words, quantity_of, si_words
+from vibralign.commands.arguments import set_options
+from vibralign.commands.assess import headline
+from vibralign.commands.limits import MEASURES
+from vibralign.commands.tables import in_columns
+from vibralign.device.stated import VIBRATION
 
 if TYPE_CHECKING:
-    from model.device.assess import Assessment
-    from model.device.design import Design, Known
-    from model.device.design_changes import Change, Proposal
-    from model.device.design_trials import Trials
     from model.runs.settings import Settings
+    from vibralign.answers.assess import Assessment
+    from vibralign.answers.design import Design, Known
+    from vibralign.answers.design_changes import Change, Proposal
+    from vibralign.answers.design_trials import Trials
 
 _line = "{:<23}{}".format
 
@@ -51,7 +51,7 @@ class Changes(NamedTuple):
 
 def so_far(trials: "Trials", known: "Known") -> str:
     """Return a line on the best setting of a search that is interrupted."""
-    from model.device.design import tried_of  # noqa: PLC0415  (scipy)
+    from vibralign.answers.design import tried_of  # noqa: PLC0415  (scipy)
 
     if not known:
         return "no setting was tried yet"
@@ -70,7 +70,7 @@ def so_far(trials: "Trials", known: "Known") -> str:
 
 def report(answer: Answer) -> list[str]:
     """Return lines on the recommended setting, or on the nearest to the limits."""
-    from model.device.design_trials import POINTS  # noqa: PLC0415  (as in _design)
+    from vibralign.answers.design_trials import POINTS  # noqa: PLC0415  (as in _design)
 
     design, tried, best = answer.design, answer.design.tried, answer.design.best
     margin = tried.margin[best]
@@ -240,7 +240,7 @@ def _asked(share: float) -> str:
 
 def record(answer: Answer, changes: Changes) -> dict[str, Any]:
     """Return what ``--json`` prints."""
-    from model.device.yields import CONFIDENCE  # noqa: PLC0415  (as in _design)
+    from vibralign.answers.yields import CONFIDENCE  # noqa: PLC0415  (as in _design)
 
     design, tried, best = answer.design, answer.design.tried, answer.design.best
     return {

@@ -6,13 +6,14 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from model.cli.arguments import add_command, add_model_options, pairs, read_inputs, set_options
-from model.cli.files import check_file, writing
-from model.device import StatedDevice
-from model.device.base import SOURCES
 from model.physics.variants import Variants
-from model.show.assumptions import assumptions
 from model.sweeps.files import write_text
+from vibralign.answers.assumptions import assumptions
+from vibralign.commands.arguments import add_model_options, pairs, read_inputs, set_options
+from vibralign.commands.files import check_file, writing
+from vibralign.commands.program import add_command
+from vibralign.device import StatedDevice
+from vibralign.device.base import SOURCES
 
 
 def add(commands: Any) -> None:
@@ -23,7 +24,7 @@ def add(commands: Any) -> None:
         _explore,
         "make a page that runs a device live in a browser",
         ", with sliders, an animated drawing and maps. The page is one file that needs no network. "
-        "Without --device and --set it is that of the study.",
+        "Without --device it runs the device of the paper.",
         epilog="exit code: 0 the page was made; 1 it could not be written; 2 bad input",
     )
     words = "page to write (.html); an old one is replaced when the new one is complete"
@@ -47,23 +48,18 @@ def _explore(arguments: argparse.Namespace) -> int:
         )
     # Imported here: a second that only this command needs.
     from model.runs.in_browser import are_cached, modules  # noqa: PLC0415
-    from model.show.explorer.content import device_model, study_model  # noqa: PLC0415
-    from model.show.explorer.page import build_page  # noqa: PLC0415
+    from vibralign.explorer.content import device_model  # noqa: PLC0415
+    from vibralign.explorer.page import build_page  # noqa: PLC0415
 
     shape = settings.shape or "square"
     if sys.stderr.isatty() and not are_cached(shape):
         print("compiling the engines for the page, this once: some seconds …", file=sys.stderr)
     engines = modules(shape)
-    if arguments.device is None and not arguments.changes and shape == "square":
-        model = study_model(given.study, engines.interface)
-    else:
-        file = str(arguments.device or "")
-        first = tuple(given.study.operating_point)
-        origin = _origin(arguments, given.stated)
-        assumed = assumptions(given.parameters, settings, given.stated)
-        model = device_model(
-            given.parameters, given.units, file, settings, engines.interface, first, origin, assumed
-        )
+    file, origin = str(arguments.device or ""), _origin(arguments, given.stated)
+    assumed = assumptions(given.parameters, settings, given.stated)
+    model = device_model(
+        given.parameters, given.units, file, settings, engines.interface, origin, assumed
+    )
     with writing():
         write_text(build_page(model, engines), arguments.out)
     print(f"open {arguments.out} in a browser")

@@ -3,12 +3,12 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from model.cli.tables import in_columns
 from model.physics.quantities import ANGLE, FORCE, TIME
-from model.show.si import si_words
+from vibralign.answers.si import si_words
+from vibralign.commands.tables import in_columns
 
 if TYPE_CHECKING:
-    from model.device.limits import LimitResult
+    from vibralign.answers.limits import LimitResult
 
 MEASURES = {"time": TIME, "contact_force": FORCE, "tilt": ANGLE}
 

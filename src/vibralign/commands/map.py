@@ -9,27 +9,33 @@ from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from model.cli.arguments import (
+from model.events.outcomes import SUCCESS_TEXT
+from model.physics.parameters import PARAMETER_NAMES, check_name
+from model.physics.quantities import FORCE
+from model.sweeps.axes import Axis
+from model.sweeps.settings import RunSettings
+from vibralign.answers.assumptions import (
+    as_attribute,
+    assumptions,
+    assumptions_with,
+    at_corners,
+    lines_of,
+)
+from vibralign.answers.forces import until
+from vibralign.answers.si import si_list
+from vibralign.commands.arguments import (
     Inputs,
-    add_command,
     add_model_options,
     announce_compilation,
     number,
     read_inputs,
 )
-from model.cli.files import check_file, check_picture, writing
-from model.cli.progress import ProgressLine
-from model.device.amounts import read_amount, read_range
-from model.device.spelling import ends_of, plain
-from model.device.stated import QUANTITIES, StatedDevice, unit_of
-from model.events.outcomes import SUCCESS_TEXT
-from model.physics.parameters import PARAMETER_NAMES, check_name
-from model.physics.quantities import FORCE
-from model.show.assumptions import as_attribute, assumptions, assumptions_with, at_corners, lines_of
-from model.show.forces import until
-from model.show.si import si_list
-from model.sweeps.axes import Axis
-from model.sweeps.settings import RunSettings
+from vibralign.commands.files import check_file, check_picture, writing
+from vibralign.commands.program import add_command
+from vibralign.commands.progress import ProgressLine
+from vibralign.device.amounts import read_amount, read_range
+from vibralign.device.spelling import ends_of, plain
+from vibralign.device.stated import QUANTITIES, StatedDevice, unit_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -95,9 +101,10 @@ def _map(arguments: argparse.Namespace) -> int:
     with writing():
         write_dataset(dataset, arguments.out)
         if arguments.plot is not None:
-            from model.show import plots, style  # noqa: PLC0415
+            from vibralign.plots.maps import stability_map  # noqa: PLC0415
+            from vibralign.plots.style import write  # noqa: PLC0415
 
-            style.write(plots.draw(dataset), arguments.plot)
+            write(stability_map(dataset), arguments.plot)
     print("\n".join([*_report(dataset), *lines_of(assumed)]))
     return 0
 
@@ -105,12 +112,14 @@ def _map(arguments: argparse.Namespace) -> int:
 def _sweep(arguments: argparse.Namespace) -> tuple["Sweep", dict[str, str]]:
     """Return the sweep of the map, and what it assumes."""
     given, count = read_inputs(arguments), _count(arguments.resolution)
-    starts = given.study.maps.ensemble
+    from model.sweeps.settings import Ensemble  # noqa: PLC0415  (as in _map)
+
+    starts = Ensemble()
     axes, at = {"--x": arguments.x, "--y": arguments.y}, None
     if given.stated is not None and "frequency" not in {name for name, *_ in axes.values()}:
         at = given.stated.quantities["frequency"]
     x, y = (_axis(option, words, count, given.stated, at) for option, words in axes.items())
-    from model.device.maps import map_of  # noqa: PLC0415
+    from vibralign.answers.maps import map_of  # noqa: PLC0415
 
     device = given.stated or given.parameters
     sweep = map_of(device, RunSettings.of(given.settings), (x, y), starts)
@@ -144,7 +153,7 @@ def _axis(
 
     ``frequency`` in Hz is that of the whole map, None if it has several.
     """
-    from model.device.maps import QuantityAxis  # noqa: PLC0415  (as in _map)
+    from vibralign.answers.maps import QuantityAxis  # noqa: PLC0415  (as in _map)
 
     name, *words = given
     check_name(name, PARAMETER_NAMES if stated is None else QUANTITIES, "parameter")

@@ -5,10 +5,10 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from model.cli.arguments import add_command
-from model.cli.files import check_file, writing
-from model.device import load_device
 from model.sweeps.files import atomic_write
+from vibralign.commands.files import check_file, writing
+from vibralign.commands.program import add_command
+from vibralign.device import load_device
 
 
 def add(commands: Any) -> None:
@@ -35,7 +35,7 @@ def _new(arguments: argparse.Namespace) -> int:
         load_device(source)
         content = source.read_bytes()
     else:
-        content = resources.files("model.device").joinpath("new.yaml").read_bytes()
+        content = resources.files("vibralign.device").joinpath("new.yaml").read_bytes()
     with writing(), atomic_write(path) as part:
         part.write_bytes(content)
     print(f"fill in {path}, then: vibralign assess --device {path}")

@@ -5,17 +5,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from model.device import StatedDevice
-from model.device.maps import QuantityAxis, map_of
 from model.runs.settings import Settings
 from model.runs.simulate import simulate_once
-from model.show.assumptions import source_words
-from model.show.device_sheet import render
-from model.study.config import Study
 from model.sweeps.files import write_text
-from model.sweeps.settings import RunSettings
+from model.sweeps.settings import Ensemble, RunSettings
 from model.sweeps.sweep import merge, run
 from model.sweeps.version import version
+from vibralign.answers.assumptions import source_words
+from vibralign.answers.maps import QuantityAxis, map_of
+from vibralign.device import StatedDevice
+from vibralign.plots.device_sheet import render
 
 _AXES = ("tilt_stiffness", "press_force")  # of the map, where the file frees no two quantities
 _SPAN = 2.5  # an axis is value / _SPAN to value * _SPAN, where the file states no range
@@ -28,7 +27,6 @@ def write_sheet(
     stated: StatedDevice,
     verdict: tuple[str, bool],
     groups: Mapping[str, Sequence[str]],
-    study: Study,
     settings: Settings,
 ) -> None:
     """Write the sheet of an assessed device: what ``assess`` prints, a map and a run.
@@ -39,7 +37,7 @@ def write_sheet(
     settings = replace(settings, tolerance=max(settings.tolerance, _TOLERANCE))
     names = dict.fromkeys((*stated.free, *_AXES))
     x, y = (_axis(stated, name) for name in list(names)[:2])
-    sweep = map_of(stated, RunSettings.of(settings), (x, y), study.maps.ensemble)
+    sweep = map_of(stated, RunSettings.of(settings), (x, y), Ensemble())
     title = f"Area of stable alignment over {x.parameter} and {y.parameter}"
     dataset = merge(sweep, title, [run(sweep, cores=os.cpu_count() or 1)])
     made_by = f"{source_words(stated)}; vibralign {version()}"

@@ -7,17 +7,6 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from model.cli.arguments import (
-    Inputs,
-    add_command,
-    add_json,
-    add_model_options,
-    announce_compilation,
-    read_inputs,
-)
-from model.cli.files import check_file, check_picture, writing
-from model.cli.tables import print_json
-from model.device.reliability import FORCES
 from model.engines.results import RESULTS, TRACK_VARIABLES
 from model.engines.scalar.tableaux import DOP853
 from model.events.outcomes import SUCCESSES, Outcome, Unvibrated
@@ -29,12 +18,22 @@ from model.runs.engines import Engine
 from model.runs.settings import Settings
 from model.runs.simulate import Trajectory, simulate
 from model.runs.unvibrated import unvibrated_results, unvibrated_words
-from model.show.assumptions import assumptions, lines_of
-from model.show.forces import forces_words, until
-from model.show.lever import lever_record, lever_words, wall_words
-from model.show.si import in_words, natural_record, natural_words
 from model.sweeps.files import write_text
 from model.sweeps.version import version
+from vibralign.answers.assumptions import assumptions, lines_of
+from vibralign.answers.forces import forces_words, until
+from vibralign.answers.lever import lever_record, lever_words, wall_words
+from vibralign.answers.reliability import FORCES
+from vibralign.answers.si import in_words, natural_record, natural_words
+from vibralign.commands.arguments import (
+    Inputs,
+    add_model_options,
+    announce_compilation,
+    read_inputs,
+)
+from vibralign.commands.files import check_file, check_picture, writing
+from vibralign.commands.program import add_command, add_json
+from vibralign.commands.tables import print_json
 
 ENGINE: Engine = "scalar"  # also of the control: the other would have to be compiled first
 
@@ -87,8 +86,8 @@ def _simulate(arguments: argparse.Namespace) -> int:
     if arguments.plot is not None:
         # ValueError: the library for this format is missing.
         with writing(f"--plot {arguments.plot}", (OSError, ValueError)):
-            from model.show.history import trajectory  # noqa: PLC0415  (as in check_picture)
-            from model.show.style import write  # noqa: PLC0415
+            from vibralign.plots.history import trajectory  # noqa: PLC0415  (as in check_picture)
+            from vibralign.plots.style import write  # noqa: PLC0415
 
             write(trajectory(run, in_units), arguments.plot)
     if arguments.animate is not None:
@@ -103,13 +102,12 @@ def _page(given: Inputs, units: Units | None, file: str, assumed: Mapping[str, s
     # Imported here: modules that only a page needs.
     from model.runs.in_browser import interface  # noqa: PLC0415
     from model.runs.trace import trace_run  # noqa: PLC0415
-    from model.show.explorer.content import device_model  # noqa: PLC0415
-    from model.show.explorer.page import run_page  # noqa: PLC0415
+    from vibralign.explorer.content import device_model  # noqa: PLC0415
+    from vibralign.explorer.page import run_page  # noqa: PLC0415
 
     parameters, settings = given.parameters, given.settings
     table = interface(settings.scene, settings.shape or "square")
-    first = tuple(given.study.operating_point)
-    model = device_model(parameters, units, file, settings, table, first, assumed=assumed)
+    model = device_model(parameters, units, file, settings, table, assumed=assumed)
     return run_page(model, trace_run(parameters, settings))
 
 

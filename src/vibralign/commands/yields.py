@@ -4,19 +4,19 @@ import shlex
 from dataclasses import asdict, astuple
 from typing import TYPE_CHECKING, Any
 
-from model.cli.arguments import set_options
-from model.cli.tables import in_columns
-from model.cli.tables import report_line as _line
 from model.physics.quantities import FORCE, TIME
-from model.show import si
-from model.show.forces import forces_words
+from vibralign.answers import si
+from vibralign.answers.forces import forces_words
+from vibralign.commands.arguments import set_options
+from vibralign.commands.tables import in_columns
+from vibralign.commands.tables import report_line as _line
 
 if TYPE_CHECKING:
-    from model.device import StatedDevice
-    from model.device.assess import Assessment
-    from model.device.design_trials import Check
-    from model.device.yields import FailingDevice, Yield
     from model.runs.settings import Settings
+    from vibralign.answers.assess import Assessment
+    from vibralign.answers.design_trials import Check
+    from vibralign.answers.yields import FailingDevice, Yield
+    from vibralign.device import StatedDevice
 
 _LARGEST = {"alignment time": "time", "contact force": "contact_force"}  # lines of the yield
 _WIDEST = 0.5  # interval of a Sobol' index that is printed
@@ -24,7 +24,7 @@ _WIDEST = 0.5  # interval of a Sobol' index that is printed
 
 def yield_words(drawn: "Yield | Check") -> str:
     """Return the share of drawn devices that go in, its interval and its level of confidence."""
-    from model.device.yields import CONFIDENCE, interval  # noqa: PLC0415  (scipy)
+    from vibralign.answers.yields import CONFIDENCE, interval  # noqa: PLC0415  (scipy)
 
     shares = drawn.going_in / drawn.devices, *interval(drawn.going_in, drawn.devices)
     share, low, high = (f"{100.0 * each:.4g} %" for each in shares)

@@ -1,6 +1,6 @@
 """Devices as an engineer states them: quantities with units, tolerances and a base."""
 
-from model.device.amounts import Tolerance
-from model.device.stated import DeviceError, StatedDevice, load_device
+from vibralign.device.amounts import Tolerance
+from vibralign.device.stated import DeviceError, StatedDevice, load_device
 
 __all__ = ["DeviceError", "StatedDevice", "Tolerance", "load_device"]

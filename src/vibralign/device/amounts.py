@@ -17,8 +17,8 @@ from typing import Any, Literal, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from model.device.spelling import NUMBER, clearer, ends_of, peak, plain, spelled
 from model.physics.parameters import FIELDS
+from vibralign.device.spelling import NUMBER, clearer, ends_of, peak, plain, spelled
 
 _AMOUNT = re.compile(rf"\s*({NUMBER})\s*(.*?)\s*")
 _SPREAD = re.compile(r"\s*(±|\+/-|\+-|σ|sigma\b)\s*")

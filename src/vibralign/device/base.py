@@ -22,10 +22,10 @@ from collections.abc import Mapping
 from functools import lru_cache
 from typing import NamedTuple
 
-from model.device.holder import RATIOS
-from model.device.spelling import in_per_cent
 from model.physics.geometry import lever_if_flat
 from model.physics.parameters import Shape
+from vibralign.device.holder import RATIOS
+from vibralign.device.spelling import in_per_cent
 
 
 class Material(NamedTuple):

@@ -5,12 +5,12 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from model.device.base import CENTRE
-from model.device.holder import RATIOS
-from model.device.stated import StatedDevice
 from model.physics.parameters import FIELDS, Batch, Parameters
 from model.physics.units import UNITS, Units, scales
 from model.runs.settings import Settings
+from vibralign.device.base import CENTRE
+from vibralign.device.holder import RATIOS
+from vibralign.device.stated import StatedDevice
 
 _ALONE = {"frequency", "friction", "phase", "initial_tilt"}  # of which no other quantity follows
 

@@ -7,13 +7,13 @@ each of their quantities if it is a thousand times larger or smaller: a wrong pr
 import math
 from collections.abc import Iterator, Mapping
 
-from model.device.base import mass_at_edge
-from model.device.holder import DIRECTIONS, critical_damping, natural_frequencies
-from model.device.spelling import in_per_cent
 from model.physics.geometry import farthest_round, lever_doubt
 from model.physics.parameters import FIELDS, Shape, constants_of
 from model.physics.quantities import LENGTH
 from model.physics.units import Device
+from vibralign.device.base import mass_at_edge
+from vibralign.device.holder import DIRECTIONS, critical_damping, natural_frequencies
+from vibralign.device.spelling import in_per_cent
 
 _LONGEST = 1.0  # m
 # Moment of inertia over that of a rectangle of the same mass, m(a² + b²)/3. A solid cylinder has at

@@ -11,8 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from model.device.amounts import read_amount
-from model.device.stated import QUANTITIES, StatedDevice, load_device
 from model.physics.parameters import Batch, Parameters
 from model.physics.quantities import LENGTH, TIME, Quantity
 from model.physics.tables import vars_of
@@ -22,6 +20,8 @@ from model.runs.align import Alignments
 from model.runs.engines import Engine
 from model.runs.settings import Settings, settings_with
 from model.runs.simulate import Trajectory
+from vibralign.device.amounts import read_amount
+from vibralign.device.stated import QUANTITIES, StatedDevice, load_device
 
 Device = Parameters | StatedDevice
 AnyDevice = Device | Path | str

@@ -9,10 +9,6 @@ from typing import Any, get_args
 
 import yaml
 
-from model.device.amounts import Tolerance, read_amount, read_range
-from model.device.base import BASE, CENTRE, SOURCES, pair_of, with_base
-from model.device.holder import RATIOS, with_damping
-from model.device.plausibility import check_place, check_press, doubts
 from model.physics.parameters import FIELDS, PARAMETER_NAMES, Parameters, Shape, check_name
 from model.physics.quantities import LENGTH
 from model.physics.rest import Start
@@ -20,6 +16,10 @@ from model.physics.tables import Value, vars_of
 from model.physics.units import UNITS, Device, Units, device
 from model.runs.settings import Settings
 from model.sweeps import files
+from vibralign.device.amounts import Tolerance, read_amount, read_range
+from vibralign.device.base import BASE, CENTRE, SOURCES, pair_of, with_base
+from vibralign.device.holder import RATIOS, with_damping
+from vibralign.device.plausibility import check_place, check_press, doubts
 
 # Upper limits that a design may have to keep: meaning and SI unit.
 LIMITS: Mapping[str, tuple[str, str]] = {

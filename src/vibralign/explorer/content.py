@@ -1,6 +1,6 @@
-"""Content of a page of the explorer: parameters, presets, words, and stored maps.
+"""Content of a page of the explorer: parameters, presets and words.
 
-Values are in the page's units: dimensionless for the study, SI for a device.
+Values are in the page's units: SI for a device of a file, else dimensionless.
 """
 
 import math
@@ -10,9 +10,6 @@ from itertools import product
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
 
 from model.engines.results import TRACK_VARIABLES
 from model.events.insertion import INSERTION
@@ -29,24 +26,19 @@ from model.physics.parameters import FIELDS, Parameters
 from model.physics.quantities import ANGLE, FORCE, PLAIN, TIME, Quantity
 from model.physics.units import UNITS, Units
 from model.runs.settings import Settings
-from model.show.assumptions import assumptions
-from model.show.explorer.page import packed
-from model.show.forces import until
-from model.show.si import display, scale
-from model.show.words import figure_title, symbol_parts
-from model.study.config.figures import CURVES, HISTORIES, MAPS, Curves, Map
-from model.study.config.study import Study
-from model.sweeps.axes import Axis, Family
+from vibralign.answers.forces import until
+from vibralign.answers.si import display, scale
+from vibralign.plots.words import symbol_parts
 
+FIRST = ("friction", "press_force", "tilt_stiffness", "frequency")  # sliders at the top
 # Axes of the map where a preset states none.
-_DEFAULT_AXES: dict[str, Any] = {"x": "tilt_stiffness", "y": "press_force"}
+DEFAULT_AXES: dict[str, Any] = {"x": "tilt_stiffness", "y": "press_force"}
 # Track variables of each panel over time, with their labels; "" stands for the symbol.
 _PANELS: tuple[Mapping[str, str], ...] = (
     {"x": ""}, {"y": ""}, {"tilt": ""},
     {"contact_force": "n, under the part", "right_force": "right side", "side_force": "left side"},
 )  # fmt: skip
 _SMALL_ANGLE = 0.05  # rad, from the middle of a slider to its ends
-_LEVELS = 254  # number of levels of a stored duration
 
 _EVENT_WORDS: Mapping[str, str] = {
     "aligned": "the edge is past the corner: aligned",
@@ -104,29 +96,6 @@ def _values(units: Units | None, parameters: Parameters) -> dict[str, float | No
     return vars(units) | units.in_si(parameters).given()
 
 
-def study_model(
-    study: Study, interface: Mapping[str, Any], maps: Sequence[Path] = ()
-) -> dict[str, Any]:
-    """Return the content of the study's page.
-
-    ``maps`` are the datasets of MAPS.
-    """
-    presets = {name: _figure(study, name) for name in sorted((*HISTORIES, *CURVES, *MAPS))}
-    for name, case in study.precision.hard.cases.items():
-        values = study.baseline.replace(**case.at).given()
-        presets[f"case_{name}"] = {"group": "Hard cases", "title": case.title, "values": values}
-    return {
-        **_model(
-            "vibralign explorer", study.baseline, None, study.settings.settings, interface,
-            assumptions(study.baseline, study.settings.settings),
-        ),
-        "parameters": _parameters(study.baseline, None, [*study.operating_point], _axes(study)),
-        "presets": {name: _DEFAULT_AXES | each for name, each in presets.items()},
-        "first": CURVES[0],
-        "maps": {name: _stored_map(study, name, of) for name, of in zip(MAPS, maps, strict=False)},
-    }  # fmt: skip
-
-
 # The options that a device's page was made with; the commands that it copies repeat them.
 _NO_ORIGIN: Mapping[str, Any] = {
     "options": (),  # all except --set, quoted for a shell
@@ -144,7 +113,6 @@ def device_model(
     file: str,
     settings: Settings,
     interface: Mapping[str, Any],
-    first: Sequence[str],
     origin: Mapping[str, Any] = _NO_ORIGIN,
     assumed: Mapping[str, str] = MappingProxyType({}),
 ) -> dict[str, Any]:
@@ -153,21 +121,21 @@ def device_model(
     ``assumed`` is what its runs assume, in words by name.
     """
     preset = {
-        **_DEFAULT_AXES, "group": "Device", "title": file or "the study's device",
+        **DEFAULT_AXES, "group": "Device", "title": file or "the paper's device",
         "words": _held_words(origin["held"]), "values": _values(units, device),
     }  # fmt: skip
     return {
-        **_model(f"vibralign explorer: {file}", device, units, settings, interface, assumed),
+        **page_model(f"vibralign explorer: {file}", device, units, settings, interface, assumed),
         "origin": origin,
         "name": Path(file).stem or "device",
-        "parameters": _parameters(device, units, first, {}),
+        "parameters": described(device, units),
         "presets": {"device": preset},
         "first": "device",
         "maps": {},
     }
 
 
-def _model(
+def page_model(
     title: str,
     baseline: Parameters,
     units: Units | None,
@@ -222,23 +190,6 @@ def _held_words(held: Mapping[str, Sequence[str]]) -> str:
 # --- Parameters ---------------------------------------------------------------------------------
 
 
-def _varied(spec: object) -> tuple[Axis | Family, ...]:
-    """Return what a figure varies: along x, and along y or from curve to curve."""
-    if isinstance(spec, Curves):
-        return spec.swept, spec.family
-    return (spec.x, spec.y) if isinstance(spec, Map) else ()
-
-
-def _axes(study: Study) -> dict[str, tuple[float, float]]:
-    """Return the range of each parameter over all figures that vary it."""
-    ranges: dict[str, tuple[float, float]] = {}
-    for spec in study.figures.values():
-        for axis in _varied(spec):
-            low, high = ranges.get(axis.parameter, (math.inf, -math.inf))
-            ranges[axis.parameter] = min(low, *axis.values), max(high, *axis.values)
-    return ranges
-
-
 def _range(
     name: str, field: Field, values: Mapping[str, float | None], unit: float
 ) -> tuple[float, float]:
@@ -255,19 +206,22 @@ def _range(
     return (0.0 if field.bound == ">= 0" or value == 0.0 else value / 5.0), 3.0 * size
 
 
-def _parameters(
+def described(
     device: Parameters,
     units: Units | None,
-    first: Sequence[str],
-    axes: Mapping[str, tuple[float, float]],
+    first: Sequence[str] = FIRST,
+    axes: Mapping[str, tuple[float, float]] = MappingProxyType({}),
 ) -> list[dict[str, Any]]:
-    """Return descriptions of the parameters for the page, those in ``first`` at the top."""
-    values, described = _values(units, device), []
+    """Return descriptions of the parameters for the page, those in ``first`` at the top.
+
+    ``axes`` are the ranges of sliders, by name; others follow from the device.
+    """
+    values, rows = _values(units, device), []
     for name in sorted(values, key=lambda each: (each in UNITS, each not in first)):
         field = (FIELDS | UNITS)[name]  # type: ignore[operator]
         letter, index = symbol_parts(field.symbol)
         least, most = axes.get(name) or _range(name, field, values, scale(units, field.quantity))
-        described.append(
+        rows.append(
             {
                 "name": name,
                 "symbol": field.symbol,
@@ -283,56 +237,4 @@ def _parameters(
                 **_shown(units, field.quantity, values[field.derived or name] or 0.0),
             }
         )
-    return described
-
-
-# --- Presets and maps of the study --------------------------------------------------------------
-
-
-def _figure(study: Study, name: str) -> dict[str, Any]:
-    """Return the preset of a figure: its operating point, mid-range where varied, and its axes."""
-    spec, values = study.figures[name], study.parameters(name).given()
-    preset: dict[str, Any] = {
-        "group": "Figures", "title": f"{figure_title(name)}: {spec.title}", "words": spec.caption,
-    }  # fmt: skip
-    spans = {}
-    for side, axis in zip("xy", _varied(spec), strict=False):
-        preset[side], value = axis.parameter, values[axis.parameter]
-        if isinstance(axis, Family):
-            values[axis.parameter] = axis.values[len(axis.values) // 2]
-            continue
-        spans[axis.parameter] = [axis.start, axis.stop]
-        if value is None or not axis.start <= value <= axis.stop:
-            values[axis.parameter] = 0.5 * (axis.start + axis.stop)
-    return {**preset, "spans": spans, "values": values}
-
-
-def _stored_map(study: Study, name: str, data: Path) -> dict[str, Any]:
-    """Return a figure's map: durations in levels of equal ratio, and where it is reliable."""
-    # Imported here: xarray, for the study only.
-    from model.sweeps.io import read_dataset  # noqa: PLC0415
-    from model.sweeps.sweep import START  # noqa: PLC0415
-
-    spec, dataset = study.figures[name], read_dataset(data)
-    assert isinstance(spec, Map)  # noqa: S101 - one of MAPS
-    tau = _square(dataset["tau_align"].values)
-    known = tau[~np.isnan(tau)]
-    least, most = (float(known.min()), float(known.max())) if known.size else (1.0, 1.0)
-    steps = math.log(most / least) or 1.0
-    share = np.nan_to_num(np.log(tau / least) / steps, nan=-1.0)
-    nodes = {dim: dataset[dim.removeprefix(START)] for dim in map(str, dataset["reliable"].dims)}
-    reliable = dataset["reliable"].sel(nodes, method="nearest")
-    levels = np.where(share < 0.0, 0, 1 + np.rint(share * _LEVELS)).astype(np.uint8)
-    return {
-        "x": spec.x.parameter, "y": spec.y.parameter,
-        "xs": [spec.x.start, spec.x.stop], "ys": [spec.y.start, spec.y.stop],
-        "cells": len(tau), "least": least, "most": most,
-        "duration": packed(levels.tobytes()), "values": study.parameters(name).given(),
-        "reliable": packed(_square(reliable.values).astype(np.uint8).tobytes()),
-    }  # fmt: skip
-
-
-def _square(values: NDArray[Any]) -> NDArray[Any]:
-    """Resample to a square, with as many rows as columns, by nearest values."""
-    rows = np.rint(np.linspace(0, len(values) - 1, values.shape[1])).astype(int)
-    return values[rows]
+    return rows

@@ -1,1 +1,1 @@
-"""Show results: figures, schematics, device sheets, the report and the explorer."""
+"""Drawings of runs, curves and maps, their style, and the device sheet."""

@@ -17,8 +17,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from model.events.outcomes import Outcome
-from model.show import style
-from model.show.style import Bools, Floats
+from vibralign.plots import style
+from vibralign.plots.style import Bools, Floats
 
 SENSITIVE_LABEL = "sensitive: digits uncertain"
 _ALONE: Mapping[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 4.0}

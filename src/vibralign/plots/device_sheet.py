@@ -12,16 +12,16 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon, Rectangle
 
-from model.device import StatedDevice
-from model.device.base import BASE
-from model.device.stated import unit_of
 from model.runs.simulate import Trajectory
-from model.show import style
-from model.show.history import trajectory
-from model.show.maps import stability_map
-from model.show.schematics.pose import resting_pose
-from model.show.si import display, quantity_of
-from model.show.templates import templates
+from vibralign.answers.si import display, quantity_of
+from vibralign.device import StatedDevice
+from vibralign.device.base import BASE
+from vibralign.device.stated import unit_of
+from vibralign.plots import style
+from vibralign.plots.history import trajectory
+from vibralign.plots.maps import stability_map
+from vibralign.plots.pose import resting_pose
+from vibralign.plots.templates import templates
 
 MODEL_LIMITS = (
     "It is a model of one plane: a round part may also turn about the other axis.",

@@ -12,8 +12,8 @@ from model.engines.results import TRACK_VARIABLES
 from model.events.outcomes import Outcome
 from model.physics.quantities import ANGLE, LENGTH
 from model.physics.units import Units
-from model.show import style
-from model.show.style import Floats
+from vibralign.plots import style
+from vibralign.plots.style import Floats
 
 if TYPE_CHECKING:  # a trajectory is drawn where xarray is not installed
     import xarray as xr

@@ -17,10 +17,10 @@ from matplotlib.patheffects import Stroke, withStroke, withTickedStroke
 from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 
 from model.events.outcomes import Outcome
-from model.show import style
-from model.show.si import readable
-from model.show.style import Bools, Floats
 from model.sweeps.vibration import ONLY_VIBRATED, added, success_of
+from vibralign.answers.si import readable
+from vibralign.plots import style
+from vibralign.plots.style import Bools, Floats
 
 Place = tuple[float, float]
 Look = Mapping[str, Any]  # keyword arguments of an artist

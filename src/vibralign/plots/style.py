@@ -21,8 +21,8 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from model.events.outcomes import Outcome
-from model.show.words import mathtext
 from model.sweeps.files import atomic_write
+from vibralign.plots.words import mathtext
 
 if TYPE_CHECKING:
     import xarray as xr

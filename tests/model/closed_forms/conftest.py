@@ -12,7 +12,6 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from model import ALIGNMENT, Batch, Parameters, Scene, Variants
 from model.compile.entries import bound, compiled
 from model.engines.lifecycle import NOISE, Control, begin
 from model.engines.record import AT, MODE, STATE
@@ -25,7 +24,8 @@ from model.events.transitions import CONTINUES
 from model.physics.modes import CLOSED, OPEN, START, Mode
 from model.physics.notation import State
 from model.physics.parameters import Shape
-from tests.engines.steps import Steps
+from tests.model.engines.steps import Steps
+from vibralign import ALIGNMENT, Batch, Parameters, Scene, Variants
 
 advance = compiled(loop.advance)
 LOCKED = 1e12

@@ -10,9 +10,9 @@ from math import acos, atan2, exp, log, pi, sqrt
 import numpy as np
 import pytest
 
-from model import Outcome
 from model.physics.modes import CLOSED, OPEN, RELEASED, START
-from tests.closed_forms.restitution import damping_for, pushing
+from tests.model.closed_forms.restitution import damping_for, pushing
+from vibralign import Outcome
 
 FLIGHT = START._replace(face=OPEN)
 

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from model import ALIGNMENT
 from model.events.event_functions import FLAT
 from model.events.friction import decide_friction
 from model.events.kernels import events_of, transition
@@ -18,6 +17,7 @@ from model.events.table import CORNER_END
 from model.events.transitions import CONTINUES
 from model.physics.modes import CLOSED, OPEN, START, STICKING
 from model.physics.notation import LEFT_EDGE, State
+from vibralign import ALIGNMENT
 
 FREE = START._replace(face=OPEN)
 TOLERANCES = [1e-4, 1e-7, 1e-10, 1e-13]

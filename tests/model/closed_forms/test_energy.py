@@ -13,7 +13,6 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from model import Batch, Outcome, Parameters, Settings, Variants
 from model.compile.entries import compiled
 from model.compile.kernels import kernel
 from model.engines.lifecycle import begin
@@ -34,6 +33,7 @@ from model.physics.motion import motion, side_contact, support_contact
 from model.physics.notation import LEFT_EDGE
 from model.physics.trigonometry import sine_cosine
 from verification.fuzz import draw
+from vibralign import Batch, Outcome, Parameters, Settings, Variants
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 NODES, WEIGHTS = 0.5 * (_NODES + 1.0), 0.5 * _WEIGHTS

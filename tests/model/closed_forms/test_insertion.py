@@ -11,7 +11,6 @@ from math import acos, atan, cos, hypot, radians, sin
 import numpy as np
 import pytest
 
-from model import INSERTION, Outcome
 from model.events.event_functions import edge_inside
 from model.events.friction import decide_friction
 from model.events.outcomes import Reason
@@ -19,6 +18,7 @@ from model.events.sources import corner_positions
 from model.physics.contacts import corner_on_wall, edge_on_face, edge_on_side
 from model.physics.modes import CLOSED, OPEN, START, STICKING
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
+from vibralign import INSERTION, Outcome
 
 LOCKED = 1e12  # an inertia with which nothing turns the peg
 NEVER = {"insertion_depth": 1e3}

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from benchmarks.problems import last_state
-from model import Batch, Outcome, Settings
+from vibralign import Batch, Outcome, Settings
 
 
 def test_after_100000_periods_the_phase_is_still_right(device):

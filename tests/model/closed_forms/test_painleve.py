@@ -9,13 +9,13 @@ from math import cos, sin
 import numpy as np
 import pytest
 
-from model import Outcome, simulate
 from model.physics.contacts import corner_on_flat, dot, edge_on_face, edge_on_side
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
 from model.physics.parameters import Constants
-from model.study.config import load_study, study_path
+from study.config import load_study, study_path
 from verification.independent import solve
 from verification.trials import trial_of
+from vibralign import Outcome, simulate
 
 
 def inverse_mass(contact, friction, inertia):

@@ -5,11 +5,11 @@ from math import cos, hypot, pi, sin, sqrt, tan
 import numpy as np
 import pytest
 
-from model import Batch, Outcome, align
 from model.physics.contacts import corner_on_flat, tips_on_face
 from model.physics.geometry import edge_place
 from model.physics.modes import CLOSED, OPEN, STICKING
 from model.physics.notation import RIGHT_EDGE, State
+from vibralign import Batch, Outcome, align
 
 LOCKED = 1e12
 

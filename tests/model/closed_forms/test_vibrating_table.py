@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from model.physics.modes import OPEN, START
-from tests.closed_forms.restitution import damping_for
+from tests.model.closed_forms.restitution import damping_for
 
 E, FREQUENCY, STIFFNESS = 0.5, 100.0, 1e11
 PERIOD = 2 * pi / FREQUENCY

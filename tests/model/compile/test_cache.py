@@ -13,8 +13,8 @@ from model.compile import cache
 from model.compile.entries import compiled
 from model.compile.identity import PACKAGE, digest_of
 from model.physics.contacts import dot
-from tests.compile.conftest import Restart
-from tests.compile.sources import PRELUDE, load
+from tests.model.compile.conftest import Restart
+from tests.model.compile.sources import PRELUDE, load
 
 PARTS = """\
 @separate_kernel

@@ -10,7 +10,7 @@ import pytest
 from model.compile.entries import bound, compiled
 from model.compile.kernels import kernel
 from model.compile.source import KernelError
-from tests.compile.sources import bits, kernel_of, load
+from tests.model.compile.sources import bits, kernel_of, load
 
 KERNELS = """\
 @kernel

@@ -13,9 +13,9 @@ from pathlib import Path
 
 import pytest
 
-from tests.physics.test_mutations import replaced
+from tests.model.physics.test_mutations import replaced
 
-PROJECT = Path(__file__).resolve().parents[2]
+PROJECT = Path(__file__).resolve().parents[3]
 TESTS = (
     "subset", "entries", "refusals", "vectors", "cache", "page", "webassembly", "package_kernels",
     "programs", "processes",
@@ -110,7 +110,7 @@ def caught(folder: Path, edit: tuple[str, str, str] | None) -> subprocess.Comple
         path.write_text(replaced(path, old, new), encoding="utf-8")
     paths = f"pythonpath={folder / 'src'} ."  # before those of pyproject.toml
     options = ["-x", "-q", "-p", "no:cacheprovider", "-p", "no:xdist", "-o", paths]
-    files = [f"tests/compile/test_{each}.py" for each in TESTS]
+    files = [f"tests/model/compile/test_{each}.py" for each in TESTS]
     return subprocess.run(
         [sys.executable, "-m", "pytest", *options, *files],
         cwd=PROJECT,

@@ -12,7 +12,6 @@ import pytest
 
 import model.events
 import model.physics
-from model import Batch, Parameters, Variants
 from model.compile.kernels import marks_of, python_of
 from model.events.event_functions import NEVER
 from model.events.insertion import INSERTION
@@ -27,7 +26,8 @@ from model.physics.motion import Forces, Motion, Support
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, STATE_SIZE, State
 from model.physics.parameters import PARAMETER_NAMES, Constants, Given
 from model.physics.rest import _Balance
-from tests.compile.sources import bits, exactly
+from tests.model.compile.sources import bits, exactly
+from vibralign import Batch, Parameters, Variants
 
 DRAWS = 24
 LEAST = 4  # draws at least for which Python finds numbers

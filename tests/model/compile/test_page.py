@@ -4,9 +4,9 @@ import doctest
 import re
 from pathlib import Path
 
-from tests.compile.sources import load
+from tests.model.compile.sources import load
 
-PAGE = Path(__file__).parents[2] / "docs/reference/kernels.md"
+PAGE = Path(__file__).parents[3] / "docs/reference/kernels.md"
 TEXT = PAGE.read_text(encoding="utf-8")
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from model.compile.identity import PACKAGE
-from tests.compile.sources import PRELUDE
+from tests.model.compile.sources import PRELUDE
 
 KERNELS = """\
 @separate_kernel

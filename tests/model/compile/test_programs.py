@@ -7,8 +7,8 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from model.compile.source import KernelError
-from tests.compile.programs import LENGTH, Program, programs
-from tests.compile.sources import bits, exactly, load
+from tests.model.compile.programs import LENGTH, Program, programs
+from tests.model.compile.sources import bits, exactly, load
 
 FLOATS = st.sampled_from([0.0, -0.0, 1.0, -1.5, 0.1, 3.0, 1e10, -(2.0**-40), 1e300, float("inf")])
 INTS = st.sampled_from([0, 1, -1, 2, 3, -5, 8, 1000, 2**31, -(2**40), 2**62, -(2**63), 2**63 - 1])

@@ -11,7 +11,7 @@ import pytest
 
 from model.compile.entries import compiled
 from model.compile.source import KernelError
-from tests.compile.sources import kernel_of
+from tests.model.compile.sources import kernel_of
 
 FLOATS, INTS = np.zeros(4), np.zeros(4, np.int64)
 ROWS = np.zeros((3, 2))

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.compile.sources import bits, exactly, load
+from tests.model.compile.sources import bits, exactly, load
 
 NAN, INF = float("nan"), float("inf")
 

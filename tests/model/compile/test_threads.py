@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from model.compile.entries import compiled
-from tests.compile.sources import load
+from tests.model.compile.sources import load
 
 THREADS = 8
 MEETING = """\

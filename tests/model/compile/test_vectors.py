@@ -9,7 +9,7 @@ from model.compile import machine_code
 from model.compile.entries import address_of, compiled, flattened
 from model.compile.module import Module
 from model.compile.vector_code import WIDTH, VectorFunction, VectorWriter, call_at, each_lane
-from tests.compile.sources import bits, exactly, kernel_of, load
+from tests.model.compile.sources import bits, exactly, kernel_of, load
 
 LANES = """\
 for i in each_lane():

@@ -8,7 +8,7 @@ import pytest
 
 from model.compile.entries import flattened
 from model.compile.webassembly import web_assembly_of
-from tests.compile.sources import bits, load
+from tests.model.compile.sources import bits, load
 
 wasmtime = pytest.importorskip("wasmtime")
 

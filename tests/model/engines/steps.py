@@ -6,7 +6,6 @@ one call may do.
 
 import numpy as np
 
-from model import ALIGNMENT
 from model.compile.entries import compiled
 from model.compile.kernels import kernel
 from model.engines.record import constants_in
@@ -16,6 +15,7 @@ from model.engines.scalar.tableaux import DOP853
 from model.events import friction, kernels
 from model.events.kernels import MOST_SAMPLES, events_of
 from model.physics.notation import State
+from vibralign import ALIGNMENT
 
 ALIGNMENT_EVENTS = events_of(ALIGNMENT.events)
 interpolate = compiled(step.interpolate)

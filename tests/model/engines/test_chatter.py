@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from model import Batch, Reason, Settings, Variants, align
 from model.engines.lifecycle import begin, skip_chatter
 from model.engines.record import AT, STATE
 from model.engines.scalar.loop import new_scalar_memory
 from model.physics.modes import OPEN, START
 from model.physics.notation import STATE_SIZE
 from verification.fuzz import SETTINGS, draw
+from vibralign import Batch, Reason, Settings, Variants, align
 
 
 @pytest.mark.parametrize("number", [1844, 4419, 5677, 7856, 9260])

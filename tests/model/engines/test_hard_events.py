@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq, minimize_scalar
 
-from model import Outcome, Parameters, Reason, Settings, align, simulate
 from model.engines.scalar.location import NO_EVENT
 from model.engines.scalar.step import state_of
 from model.events.kernels import MOST_SAMPLES, sample_into
@@ -13,7 +12,8 @@ from model.events.transitions import CONTINUES
 from model.physics.geometry import bottom_corner, edge_place
 from model.physics.modes import CLOSED, OPEN, START
 from model.physics.notation import RIGHT_EDGE
-from tests.engines.steps import ALIGNMENT_EVENTS, Steps
+from tests.model.engines.steps import ALIGNMENT_EVENTS, Steps
+from vibralign import Outcome, Parameters, Reason, Settings, align, simulate
 
 FLIGHT = START._replace(face=OPEN)
 H = 0.2  # a step in flight: a fortieth of the slowest period

@@ -20,7 +20,7 @@ from model.events.transitions import CONTINUES
 from model.physics.geometry import resting_height
 from model.physics.modes import START, Mode
 from model.physics.notation import State
-from tests.engines.steps import Steps, interpolate
+from tests.model.engines.steps import Steps, interpolate
 
 NAMES = [event.name.upper() for event in EVENTS]
 

@@ -7,9 +7,9 @@ it at the tolerance is left. Each set here once had a force wrong by a factor of
 import numpy as np
 import pytest
 
-from model import INSERTION, Batch, Settings, simulate
 from model.engines.results import RunResult
 from model.runs.engines import batch_engine, scalar_engine
+from vibralign import INSERTION, Batch, Settings, simulate
 
 # A shaft on a steel base at rest, in which Newton's iteration for a peak ran out of the step.
 SHAFT = {

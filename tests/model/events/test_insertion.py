@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from model import INSERTION, Batch, Outcome, Settings, align, simulate
 from model.engines.results import RunResult
 from model.events.outcomes import InsertionOutcome, Reason
 from model.runs.align import run_once
@@ -13,6 +12,7 @@ from model.runs.engines import batch_engine, scalar_engine
 from model.runs.errors import outcomes_differ
 from model.runs.insertion_outcome import insertion_outcomes
 from model.runs.trace import trace_run
+from vibralign import INSERTION, Batch, Outcome, Settings, align, simulate
 
 SETS = 96
 

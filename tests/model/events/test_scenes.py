@@ -2,8 +2,8 @@
 
 import pytest
 
-from model import ALIGNMENT, INSERTION, PRINTED_CONTACTS, SUSPENDED, Scene
 from model.events.scenes import CONTACT_NAMES
+from vibralign import ALIGNMENT, INSERTION, PRINTED_CONTACTS, SUSPENDED, Scene
 
 
 def test_the_insertion_scene_declares_every_kind_of_contact():

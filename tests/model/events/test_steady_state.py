@@ -6,13 +6,13 @@ A creep under a fast transient must not pass for a periodic steady state.
 import numpy as np
 import pytest
 
-from model import ALIGNMENT, Outcome, Parameters, simulate
 from model.compile.entries import compiled
 from model.events import steady_state
 from model.events.event_functions import NEVER
 from model.events.kernels import MOST_EVENTS, events_of
 from model.events.steady_state import HISTORY, LONGEST_PERIOD
 from model.events.table import ALIGNED, FACE_LOAD
+from vibralign import ALIGNMENT, Outcome, Parameters, simulate
 
 record_closest, record_state, settled_period = map(
     compiled,

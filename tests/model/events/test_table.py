@@ -9,7 +9,6 @@ from math import cos, sin
 import numpy as np
 import pytest
 
-from model import Variants
 from model.compile.identity import PACKAGE, identity_of
 from model.events.event_functions import NEVER
 from model.events.insertion import INSERTION
@@ -26,6 +25,7 @@ from model.physics.modes import (
 )
 from model.physics.motion import motion
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
+from vibralign import Variants
 
 ALL = events_of(EVENTS)
 ROUNDING = 1e-13

@@ -4,7 +4,6 @@ from math import atan, cos, sin
 
 import pytest
 
-from model import ALIGNMENT, PRINTED_CONTACTS, SUSPENDED, Outcome, Reason
 from model.events import kernels
 from model.events.friction import decide_friction, hold_sticking
 from model.events.kernels import events_of
@@ -34,6 +33,7 @@ from model.physics.modes import (
 )
 from model.physics.motion import motion
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
+from vibralign import ALIGNMENT, PRINTED_CONTACTS, SUSPENDED, Outcome, Reason
 
 FREE = START._replace(face=OPEN)
 EVENTS = events_of(ALIGNMENT.events)

@@ -9,9 +9,9 @@ from math import cos, hypot, sin, tan
 import numpy as np
 import pytest
 
-from model import Variants
 from model.physics.contacts import contact_load, edge_on_face, edge_on_side
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
+from vibralign import Variants
 
 STEP = 1e-5
 # Central differences: h²/6 times a third derivative of order 10, plus 1e-15/h from rounding.

@@ -5,7 +5,6 @@ from math import copysign, cos, hypot, pi, sin, tan
 import numpy as np
 import pytest
 
-from model import Parameters, Variants
 from model.physics.contacts import corner_on_flat, edge_on_face, edge_on_side
 from model.physics.modes import (
     CLOSED,
@@ -19,6 +18,7 @@ from model.physics.modes import (
 from model.physics.motion import motion
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
 from model.physics.variants import VARIANT_NAMES
+from vibralign import Parameters, Variants
 
 ROUNDING = 1e-13  # relative to forces of order 1 to 100, a few hundred roundings
 FREE = START._replace(face=OPEN)

@@ -16,10 +16,10 @@ from typing import Any
 
 import pytest
 
-from model.study.config import COMPUTED
+from study.config import COMPUTED
 
-PROJECT = Path(__file__).resolve().parents[2]
-UNIT_TESTS = [f"tests/physics/test_{name}.py" for name in ("motion", "contacts", "tips")]
+PROJECT = Path(__file__).resolve().parents[3]
+UNIT_TESTS = [f"tests/model/physics/test_{name}.py" for name in ("motion", "contacts", "tips")]
 
 # name: (file below src/model/physics, what stands before a force, the force that is changed)
 MUTATIONS = {
@@ -227,11 +227,11 @@ from pathlib import Path
 
 study_path, against, errors, figures = (json.loads(each) for each in sys.argv[1:])
 os.environ["ERROR"] = "0"
-from model.study.config import load_study
+from study.config import load_study
 from model.sweeps.io import read_dataset, write_dataset
-from model.study.plans import sweep_of
+from study.plans import sweep_of
 from model.sweeps.sweep import merge, run
-from model.tracking.reference import compare_with_reference
+from study.tracking.reference import compare_with_reference
 
 study, found, right = load_study(Path(study_path)), {}, {}
 for error, number in errors.items():
@@ -255,7 +255,7 @@ def small_study(folder: Path) -> Path:
     """The study on grids of 8 values a curve and 6 × 6 a map, in one file."""
     import yaml  # noqa: PLC0415
 
-    from model.study.config import read_study  # noqa: PLC0415
+    from study.config import read_study  # noqa: PLC0415
 
     study = read_study(PROJECT / "config/config.yaml")
     for figure in study["figures"].values():

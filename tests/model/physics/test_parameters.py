@@ -6,8 +6,8 @@ import math
 import numpy as np
 import pytest
 
-from model import Batch, Parameters, Variants
 from model.physics.parameters import FIELDS, PARAMETER_NAMES, Constants
+from vibralign import Batch, Parameters, Variants
 
 POSITIVE = ["half_width", "half_height", "clearance", "inertia", "contact_stiffness"]
 NOT_NEGATIVE = [

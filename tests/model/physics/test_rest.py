@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from model import Outcome, simulate
 from model.physics.modes import START, STICKING
 from model.physics.motion import motion
 from model.physics.notation import State
 from model.physics.rest import rest_under_press
+from vibralign import Outcome, simulate
 
 
 @pytest.fixture(scope="module")

@@ -4,8 +4,8 @@ import dataclasses
 
 import pytest
 
-from model import Variants
 from model.physics.variants import VARIANT_NAMES
+from vibralign import Variants
 
 # R1 to R9 of docs/paper.md, without R7, which has no switch.
 TABLE = {

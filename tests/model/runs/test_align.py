@@ -5,7 +5,7 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from model import Alignments, Batch, Outcome, align
+from vibralign import Alignments, Batch, Outcome, align
 
 ROWS = 70  # more than two blocks of a thread, and not a multiple
 

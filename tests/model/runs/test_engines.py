@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from model import Batch, Outcome, Settings, Variants, align
 from model.engines.batch.scheduling import POOL
 from model.engines.results import RunResult
 from model.runs.engines import batch_engine, scalar_engine
 from model.runs.errors import outcomes_differ
+from vibralign import Batch, Outcome, Settings, Variants, align
 
 SETTINGS = Settings(horizon=60.0)
 COUNT = 150

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from model import Batch, Outcome, Reason, align, simulate
 from model.engines.results import RunResult
 from model.physics.parameters import Constants
 from model.runs.errors import TILTED, estimate
 from verification.trials import trial_of
+from vibralign import Batch, Outcome, Reason, align, simulate
 
 SEEDS = [0, 1]
 COUNT = 200

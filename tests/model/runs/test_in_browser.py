@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 from benchmarks.shapes import devices
-from model import Batch, align
 from model.engines.results import TRACK_VARIABLES, RunResult
 from model.events.insertion import INSERTION
 from model.physics.modes import CLOSED
@@ -22,9 +21,10 @@ from model.runs.in_browser import modules
 from model.runs.settings import Settings
 from model.runs.simulate import simulate_once
 from model.runs.trace import COLUMNS
-from model.study.config import Study, load_study, study_path
-from tests.runs.browser import Browser
+from study.config import Study, load_study, study_path
+from tests.model.runs.browser import Browser
 from verification.trials import trial_of
+from vibralign import Batch, align
 
 pytest.importorskip("wasmtime")
 
@@ -110,7 +110,7 @@ from model.physics.parameters import PARAMETER_NAMES, Batch
 from model.runs.engines import engine_for
 from model.runs.settings import SCENES, Settings
 from model.runs.simulate import simulate_once
-from model.study.config import load_study, study_path
+from study.config import load_study, study_path
 name, scene, sets, found = *sys.argv[1:3], np.load(sys.argv[3]), sys.argv[4]
 settings = Settings(scene=SCENES[scene])
 rows = settings.rows(Batch(dict(zip(PARAMETER_NAMES, sets.T.copy()))))

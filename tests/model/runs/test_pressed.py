@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from model import Batch, Outcome, Reason, align, simulate
+from vibralign import Batch, Outcome, Reason, align, simulate
 
 
 def test_without_vibration_the_part_stays_at_rest(device):

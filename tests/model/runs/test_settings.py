@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from model import ALIGNMENT, INSERTION, SUSPENDED, Settings, Variants, simulate
+from vibralign import ALIGNMENT, INSERTION, SUSPENDED, Settings, Variants, simulate
 
 
 def test_defaults_are_the_consistent_readings_in_the_alignment_scene():

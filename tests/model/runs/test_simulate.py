@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from model import Outcome, align, simulate
 from model.physics.contacts import contact_load, edge_on_face, edge_on_side
 from model.physics.geometry import bottom_corner, edge_place
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
+from vibralign import Outcome, align, simulate
 
 
 @pytest.fixture(scope="module")

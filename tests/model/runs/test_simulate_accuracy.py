@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from model import PRINTED_CONTACTS, Batch, Outcome, Reason, Settings, Variants, align, simulate
-from model.device import load_device
-from model.device.batches import devices_of
-from model.device.yields import drawn
 from model.engines.results import RunResult
 from model.runs.engines import batch_engine, scalar_engine
-from model.study.config import load_study, study_path
 from model.sweeps.starts import starts_of
+from study.config import load_study, study_path
+from vibralign import PRINTED_CONTACTS, Batch, Outcome, Reason, Settings, Variants, align, simulate
+from vibralign.answers.yields import drawn
+from vibralign.device import load_device
+from vibralign.device.batches import devices_of
 
 # One run for each kind of event; the tests assert the events that it goes through.
 RUNS = {

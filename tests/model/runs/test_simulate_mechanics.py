@@ -1,6 +1,6 @@
 """Whole runs against mechanics: closed forms and static equilibrium.
 
-The energy of runs is balanced in tests/closed_forms/test_energy.py.
+The energy of runs is balanced in tests/model/closed_forms/test_energy.py.
 """
 
 from math import cos, hypot, sin, sqrt
@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.optimize import root
 
-from model import SUSPENDED, Outcome, simulate
+from vibralign import SUSPENDED, Outcome, simulate
 
 STILL = {"frequency": 0.0, "phase": 0.0}
 """sin(ντ + phase) = 0 for ever: no excitation."""

@@ -5,7 +5,7 @@ from math import pi
 import numpy as np
 import pytest
 
-from model import (
+from vibralign import (
     PRINTED_CONTACTS,
     SUSPENDED,
     Batch,

@@ -20,7 +20,7 @@ from math import cos, pi, sin, tan
 import numpy as np
 import pytest
 
-from model import simulate
+from vibralign import simulate
 
 TILT, FRICTION, PRESS, STIFFNESS, FREQUENCY = 0.05, 0.12, 3.0, 0.5, 0.1
 W = PRESS - 1.0

@@ -8,7 +8,7 @@ from model.physics.parameters import Batch, Parameters
 from model.runs.settings import Settings
 from model.runs.simulate import simulate
 from model.runs.unvibrated import unvibrated
-from model.study.config import baseline
+from vibralign.device.paper import baseline
 
 SETTINGS = Settings(tolerance=1e-8)
 # Pressed lightly it rests on the edge, harder it falls in, on a soft tilt spring it topples.

@@ -11,23 +11,23 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from model import Parameters
-from model.device import load_device
-from model.device.design import Design, tried_of
-from model.device.design_files import design_dataset
-from model.device.maps import QuantityAxis, map_of
-from model.study.config import Study
-from model.study.config.identification import Grid
-from model.study.evidence.assumptions import OWN, assumptions_dataset, assumptions_plan
-from model.study.evidence.null import merged, null_plan, part_of
-from model.study.plans import sweep_of
 from model.sweeps.axes import Axis
 from model.sweeps.io import write_dataset
 from model.sweeps.settings import Ensemble, RunSettings
 from model.sweeps.sweep import Sweep, merge, run
 from model.sweeps.version import version
+from study.config import Study
+from study.config.identification import Grid
+from study.evidence.assumptions import OWN, assumptions_dataset, assumptions_plan
+from study.evidence.null import merged, null_plan, part_of
+from study.plans import sweep_of
+from vibralign import Parameters
+from vibralign.answers.design import Design, tried_of
+from vibralign.answers.design_files import design_dataset
+from vibralign.answers.maps import QuantityAxis, map_of
+from vibralign.device import load_device
 
-PEG = Path(__file__).resolve().parents[1] / "square" / "devices" / "peg.yaml"
+PEG = Path(__file__).resolve().parents[2] / "square" / "devices" / "peg.yaml"
 # The checker seeks the coordinates of a file anew for each variable: five sixths of its time.
 CHECKER = """
 import sys

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from model.cli.files import check_file
 from model.sweeps.files import parse_yaml, write_text
 from model.sweeps.io import read_dataset, write_dataset
+from vibralign.commands.files import check_file
 
 DATASET = xr.Dataset({"x": ("n", np.arange(5000.0) ** 0.5)}, attrs={"figure": "fig06"})
 

@@ -11,8 +11,6 @@ from model.physics.parameters import PARAMETER_NAMES
 from model.runs.align import align
 from model.runs.insertion_outcome import insertion_outcomes
 from model.runs.unvibrated import unvibrated_results
-from model.study.config import Study, load_study, study_path
-from model.study.plans import sweep_of
 from model.sweeps.axes import points_of_chunk
 from model.sweeps.io import (
     VARIABLES,
@@ -23,6 +21,8 @@ from model.sweeps.io import (
     write_dataset,
 )
 from model.sweeps.sweep import Sweep, merge, run
+from study.config import Study, load_study, study_path
+from study.plans import sweep_of
 
 
 @pytest.fixture(scope="module")

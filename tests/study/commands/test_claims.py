@@ -1,16 +1,16 @@
-"""``vibralign claims``: the ledger of what is on disk."""
+"""``python -m study claims``: the ledger of what is on disk."""
 
 import json
 from pathlib import Path
 
 import pytest
 
-from model.cli import main as cli
-from model.study.claims import CLAIMS
-from model.study.claims.regime import Regime
 from model.sweeps.io import write_dataset
-from tests.show.report_data import weighed_data
+from study import __main__ as cli
+from study.claims import CLAIMS
+from study.claims.regime import Regime
 from tests.study.claims_data import Course, falling, runs
+from tests.study.report_data import weighed_data
 
 
 @pytest.fixture(scope="module")

@@ -1,13 +1,13 @@
-"""``vibralign verify``: what it prints, and its exit code."""
+"""``python -m study verify``: what it prints, and its exit code."""
 
 import json
 import shutil
 from pathlib import Path
 
-from model.cli import main as cli
 from model.sweeps.io import read_dataset, write_dataset
+from study import __main__ as cli
 
-REFERENCE = Path(__file__).parents[1] / "reference"
+REFERENCE = Path(__file__).parents[2] / "reference"
 
 
 def test_a_build_agrees_until_a_number_moves(capsys, tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""``vibralign runs``, ``show`` and ``diff``: readable in a terminal, complete in JSON."""
+"""``python -m study runs``, ``show`` and ``diff``: readable in a terminal, complete in JSON."""
 
 import json
 import shutil
@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from model.cli import main as cli
-from model.tracking.invocation import Invocation
+from study import __main__ as cli
+from study.tracking.invocation import Invocation
 
 
 @pytest.fixture

@@ -11,29 +11,30 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from model.tracking import code, job
-from model.tracking.code import code_of, import_closure
-from model.tracking.job import write_sidecar
+from study.tracking import code, job
+from study.tracking.code import code_of, import_closure
+from study.tracking.job import write_sidecar
 
-PROJECT = Path(__file__).resolve().parents[2]
+PROJECT = Path(__file__).resolve().parents[3]
 
 
 @pytest.fixture
 def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A copy of the package whose files a test may edit."""
-    copy = tmp_path / "src" / "model"
-    shutil.copytree(PROJECT / "src" / "model", copy, ignore=shutil.ignore_patterns("__pycache__"))
-    monkeypatch.setattr(code, "_PACKAGE", copy)
-    monkeypatch.setattr(job, "_PACKAGE", copy)
+    """A copy of the sources whose files a test may edit; the folder of ``model`` in it."""
+    copy = tmp_path / "src"
+    shutil.copytree(PROJECT / "src", copy, ignore=shutil.ignore_patterns("__pycache__"))
+    monkeypatch.setattr(code, "_SOURCES", copy)
+    monkeypatch.setattr(job, "_SOURCES", copy)
     (tmp_path / "requirements.lock").touch()
-    return copy
+    return copy / "model"
 
 
 def hashes(package: Path) -> dict[str, list[str]]:
     code._parsed.cache_clear()
-    files = {"runs": "runs/align.py", "datasets": "sweeps/io.py", "style": "show/style.py"}
+    files = {"runs": "model/runs/align.py", "datasets": "model/sweeps/io.py"}
+    files["style"] = "vibralign/plots/style.py"
     project = package.parents[1]
-    return {name: code_of(project, f"src/model/{path}") for name, path in files.items()}
+    return {name: code_of(project, f"src/{path}") for name, path in files.items()}
 
 
 def edit(path: Path, old: str, new: str) -> None:
@@ -61,7 +62,7 @@ def test_an_edit_changes_what_depends_on_it_and_nothing_else(package):
 
 
 def test_what_is_kept_on_disk_is_what_is_found_anew(tmp_path, monkeypatch):
-    source = PROJECT / "src/model/study/claims/claims.py"  # with a companion
+    source = PROJECT / "src/study/claims/claims.py"  # with a companion
     find = code._parsed.__wrapped__
     before = find(source)
     monkeypatch.setattr(code, "_outlines", lambda: tmp_path)
@@ -102,7 +103,7 @@ def test_what_records_a_job_and_what_only_types_need_is_no_code_of_it(tmp_path):
     typed = tmp_path / "typed.py"
     typed.write_text(
         "from typing import TYPE_CHECKING\n"
-        "if TYPE_CHECKING:\n    from model.study.config.study import Study\n"
+        "if TYPE_CHECKING:\n    from study.config.study import Study\n"
         "else:\n    from model.sweeps.files import write_text\n"
     )
     assert {path.name for path in import_closure(typed)} == {"typed.py", "files.py"}

@@ -8,9 +8,9 @@ import pytest
 import xarray as xr
 
 from model.sweeps.io import write_dataset
-from model.tracking import TrackingError
-from model.tracking.compare import change_of, common_points
-from model.tracking.diff import Comparison, compare
+from study.tracking import TrackingError
+from study.tracking.compare import change_of, common_points
+from study.tracking.diff import Comparison, compare
 
 
 @pytest.fixture

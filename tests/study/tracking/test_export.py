@@ -8,11 +8,11 @@ from typing import Any
 
 import pytest
 
-from model.cli import main as cli
-from model.tracking import TrackingError, export
-from model.tracking.export import metrics_of, parameters_of, results_of, tags_of, to_mlflow
-from model.tracking.history import load_history
-from model.tracking.invocation import Invocation
+from study import __main__ as cli
+from study.tracking import TrackingError, export
+from study.tracking.export import metrics_of, parameters_of, results_of, tags_of, to_mlflow
+from study.tracking.history import load_history
+from study.tracking.invocation import Invocation
 
 
 @pytest.fixture

@@ -12,8 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from model.tracking import TrackingError
-from model.tracking.history import (
+from study.tracking import TrackingError
+from study.tracking.history import (
     COLUMNS,
     end_the_future,
     find_invocation,
@@ -25,8 +25,8 @@ from model.tracking.history import (
     sidecars,
     write_index,
 )
-from model.tracking.invocation import Invocation
-from model.tracking.job import named
+from study.tracking.invocation import Invocation
+from study.tracking.job import named
 
 
 def test_a_run_and_its_invocation_are_recorded(recorded) -> None:
@@ -96,7 +96,7 @@ def test_an_invocation_that_was_killed_is_interrupted_from_then_on(recorded) -> 
     code = f"""
     import os, signal
     from pathlib import Path
-    from model.tracking.invocation import Invocation
+    from study.tracking.invocation import Invocation
     root = Path({str(recorded.root)!r})
     Invocation(root).record()
     (root / "logs/chunk/fig06").mkdir(parents=True)
@@ -132,7 +132,7 @@ def test_a_disk_that_refuses_hides_nothing(recorded, capsys, monkeypatch) -> Non
     def full(*_: object) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("model.tracking.invocation.write_json", full)
+    monkeypatch.setattr("study.tracking.invocation.write_json", full)
     assert invocation.end("failed") == []
     assert "could not be recorded: [Errno 28] No space left" in capsys.readouterr().err
 

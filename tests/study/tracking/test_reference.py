@@ -9,12 +9,12 @@ import xarray as xr
 
 from model.engines.tolerances import MARGIN
 from model.events.outcomes import Outcome, Unvibrated
-from model.study.config import load_study, study_path
-from model.study.plans import sweep_of
 from model.sweeps.io import write_dataset
 from model.sweeps.sweep import merge, run
-from model.tracking import TrackingError
-from model.tracking.reference import LOG, LOG_COLUMNS, accept, compare_with_reference, verify
+from study.config import load_study, study_path
+from study.plans import sweep_of
+from study.tracking import TrackingError
+from study.tracking.reference import LOG, LOG_COLUMNS, accept, compare_with_reference, verify
 
 ERROR = 1e-8
 

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from model.tracking import TrackingError
-from model.tracking.history import runs_without_sidecar
-from model.tracking.slurm import refuse_held_jobs, slurm_reasons
+from study.tracking import TrackingError
+from study.tracking.history import runs_without_sidecar
+from study.tracking.slurm import refuse_held_jobs, slurm_reasons
 
 LIMIT = (
     "slurmstepd-n1: error: *** JOB 5 ON n1 CANCELLED AT 2026-01-01T00:00:00 DUE TO TIME LIMIT ***"

@@ -18,26 +18,27 @@ import pytest
 import xarray as xr
 import yaml
 
-from model import INSERTION, Settings, Trajectory, load_device, reliable_at, simulate
-from model.cli import main as cli
-from model.cli import sheet
-from model.device import StatedDevice, yields
-from model.device.design import as_printed
-from model.device.design_trials import MEASURES, Trials
-from model.device.reliability import FORCES, run_devices
 from model.engines.results import RunResult
 from model.events.outcomes import Outcome
 from model.physics.quantities import FORCE
 from model.physics.units import device as device_of
 from model.runs import in_browser
 from model.runs.in_browser import Modules, interface
-from model.show import device_sheet
-from model.show.si import si_words
-from model.study.config import load_study, study_path
 from model.sweeps.starts import starts_of
-from tests.runs.browser import Browser
+from study.config import load_study, study_path
+from tests.model.runs.browser import Browser
+from vibralign import INSERTION, Settings, Trajectory, load_device, reliable_at, simulate
+from vibralign.answers import yields
+from vibralign.answers.design import as_printed
+from vibralign.answers.design_trials import MEASURES, Trials
+from vibralign.answers.reliability import FORCES, run_devices
+from vibralign.answers.si import si_words
+from vibralign.commands import main as cli
+from vibralign.commands import sheet
+from vibralign.device import StatedDevice
+from vibralign.plots import device_sheet
 
-SQUARE = Path(__file__).resolve().parents[1] / "square"
+SQUARE = Path(__file__).resolve().parents[2] / "square"
 COUNT = 6
 VARIED = ("press_force", "frequency", "mass", "amplitude", "tilt_stiffness", "friction")
 HORIZON = 0.4  # s

@@ -7,16 +7,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from model import Batch, Settings, simulate
-from model.device import load_device
-from model.device.assess import Assessment, BaseVerdict, assess, impact_speed
-from model.device.batches import devices_of
-from model.device.leeways import FINEST, STEP, STEPS, VARIED, a_step_inside, leeways, nearest
-from model.device.reliability import are_reliable, reliable_at, run_devices
 from model.sweeps.settings import Ensemble
 from model.sweeps.starts import every_start, starts_of
+from vibralign import Batch, Settings, simulate
+from vibralign.answers.assess import Assessment, BaseVerdict, assess, impact_speed
+from vibralign.answers.leeways import FINEST, STEP, STEPS, VARIED, a_step_inside, leeways, nearest
+from vibralign.answers.reliability import are_reliable, reliable_at, run_devices
+from vibralign.device import load_device
+from vibralign.device.batches import devices_of
 
-PEG = Path(__file__).resolve().parents[1] / "square" / "peg.yaml"
+PEG = Path(__file__).resolve().parents[2] / "square" / "peg.yaml"
 ENSEMBLE = Ensemble(phases=3, tilts=[1.0, 3.0], every=1)
 COARSE = Settings(horizon=60.0, tolerance=1e-7)
 
@@ -287,7 +287,7 @@ def test_python_keeps_the_start_of_the_file_and_asks_what_assess_asks(tmp_path):
         return every_start(*arguments)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("model.device.reliability.every_start", every)
+        patch.setattr("vibralign.answers.reliability.every_start", every)
         reliable_at(pressed)
         reliable_at(stated)
     assert {each.scene.name for each in asked} == {"insertion"}

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from model import Settings, simulate
-from model.device import load_device
-from model.device.base import (
+from vibralign import Settings, simulate
+from vibralign.device import load_device
+from vibralign.device.base import (
     MATERIALS,
     damping_ratio_of,
     hertz_stiffness,
@@ -18,7 +18,7 @@ from model.device.base import (
     restitution_of,
 )
 
-EXAMPLE = Path(__file__).resolve().parents[1] / "square" / "peg.yaml"
+EXAMPLE = Path(__file__).resolve().parents[2] / "square" / "peg.yaml"
 STEEL = MATERIALS["steel"]
 
 

@@ -6,16 +6,16 @@ from pathlib import Path
 
 import pytest
 
-from model import INSERTION, Settings, load_device
-from model.device.assess import assess
-from model.device.causes import _lean, cause_of
 from model.physics.geometry import crescent
 from model.physics.parameters import Batch, RoundConstants
 from model.physics.variants import Variants
 from model.runs.simulate import simulate_once
 from model.sweeps.settings import Ensemble
+from vibralign import INSERTION, Settings, load_device
+from vibralign.answers.assess import assess
+from vibralign.answers.causes import _lean, cause_of
 
-PEG = Path(__file__).resolve().parents[1] / "square" / "peg.yaml"
+PEG = Path(__file__).resolve().parents[2] / "square" / "peg.yaml"
 STIFF = {"contact_stiffness": 4.8e6}
 SETTINGS = Settings(scene=INSERTION, tolerance=1e-7, horizon=60.0)
 

@@ -6,18 +6,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from model import Settings
-from model.device import design as designs
-from model.device import design_trials, load_device, reliability
-from model.device.amounts import Tolerance
-from model.device.design import as_printed, search, tried_of, with_tolerances
-from model.device.design_changes import attempted, proposed
-from model.device.design_trials import FARTHEST, MEASURES, Runs, SpentError, Trials
-from model.device.reliability import DeviceResults
 from model.events.outcomes import Unvibrated
 from model.runs.unvibrated import UnvibratedEnds
+from vibralign import Settings
+from vibralign.answers import design as designs
+from vibralign.answers import design_trials, reliability
+from vibralign.answers.design import as_printed, search, tried_of, with_tolerances
+from vibralign.answers.design_changes import attempted, proposed
+from vibralign.answers.design_trials import FARTHEST, MEASURES, Runs, SpentError, Trials
+from vibralign.answers.reliability import DeviceResults
+from vibralign.device import load_device
+from vibralign.device.amounts import Tolerance
 
-PEG = Path(__file__).resolve().parents[1] / "square" / "peg.yaml"
+PEG = Path(__file__).resolve().parents[2] / "square" / "peg.yaml"
 COARSE = Settings(horizon=60.0, tolerance=1e-6)
 STARTS = [{"phase": phase, "initial_tilt": 0.001} for phase in (0.0, 2.0, 4.0)]
 MEASURE = {name: 2 + place for place, name in enumerate(MEASURES)}  # in the results of a setting

@@ -7,19 +7,19 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from model import Batch, align
-from model.device import load_device
-from model.device.maps import QuantityAxis, map_of
 from model.events.outcomes import Outcome
-from model.study.config import load_study, study_path
-from model.study.plans import sweep_of
 from model.sweeps.axes import Axis
 from model.sweeps.io import DatasetError, read_chunks, write_dataset
 from model.sweeps.settings import Ensemble, RunSettings
 from model.sweeps.starts import every_start, starts_of
 from model.sweeps.sweep import Sweep, margin_of, merge, run
+from study.config import load_study, study_path
+from study.plans import sweep_of
+from vibralign import Batch, align
+from vibralign.answers.maps import QuantityAxis, map_of
+from vibralign.device import load_device
 
-PEG = Path(__file__).parents[1] / "square" / "peg.yaml"
+PEG = Path(__file__).parents[2] / "square" / "peg.yaml"
 SETTINGS = RunSettings(readings="consistent", horizon=40.0, tolerance=1e-8)
 X = Axis(parameter="tilt_stiffness", start=2.0, stop=16.0, count=17)
 Y = Axis(parameter="press_force", start=1.0, stop=9.0, count=13)

@@ -9,21 +9,22 @@ import numpy as np
 import pytest
 import yaml
 
-from model import INSERTION, Settings, load_device, simulate
-from model.device import StatedDevice, leeways
-from model.device.assess import Assessment, assess
-from model.device.cases import cases_of, on_bases, parameters_in, stated_case
-from model.device.design import search
-from model.device.design_trials import Trials
-from model.device.leeways import FINEST
-from model.device.reliability import FORCES, are_reliable, run_devices
-from model.device.yields import drawn, interval, yield_of
 from model.physics.parameters import Batch
 from model.runs.simulate import simulate_once
 from model.sweeps.settings import Ensemble
+from vibralign import INSERTION, Settings, load_device, simulate
+from vibralign.answers import leeways
+from vibralign.answers.assess import Assessment, assess
+from vibralign.answers.cases import cases_of, on_bases, parameters_in, stated_case
+from vibralign.answers.design import search
+from vibralign.answers.design_trials import Trials
+from vibralign.answers.leeways import FINEST
+from vibralign.answers.reliability import FORCES, are_reliable, run_devices
+from vibralign.answers.yields import drawn, interval, yield_of
+from vibralign.device import StatedDevice
 
-SQUARE = Path(__file__).resolve().parents[1] / "square"
-ROUND = Path(__file__).resolve().parents[2] / "docs"
+SQUARE = Path(__file__).resolve().parents[2] / "square"
+ROUND = Path(__file__).resolve().parents[3] / "docs"
 FEW = Ensemble(phases=4, tilts=[1.0], every=1)
 SETTINGS = Settings(scene=INSERTION, tolerance=1e-6, horizon=60.0)
 OF_A_BASE = ("edge_radius", "plate_thickness", "plate_radius", "restitution")

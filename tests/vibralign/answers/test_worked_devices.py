@@ -4,13 +4,13 @@ from pathlib import Path
 
 import pytest
 
-from model import Settings
-from model.device import load_device
-from model.device.yields import yield_of
 from model.physics.parameters import Batch
 from model.sweeps.starts import every_start
+from vibralign import Settings
+from vibralign.answers.yields import yield_of
+from vibralign.device import load_device
 
-DEVICES = Path(__file__).resolve().parents[2] / "docs" / "devices"
+DEVICES = Path(__file__).resolve().parents[3] / "docs" / "devices"
 STARTS = [{"phase": phase, "initial_tilt": 0.001} for phase in (0.0, 1.6, 3.1, 4.7)]
 QUICK = Settings(shape="round", horizon=150.0, tolerance=1e-6)
 

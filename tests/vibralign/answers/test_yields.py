@@ -6,10 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from model import Settings
-from model.cli import main as cli
-from model.device import Tolerance, load_device, yields
-from model.device.yields import (
+from vibralign import Settings
+from vibralign.answers import yields
+from vibralign.answers.yields import (
     DeviceResults,
     distribution,
     drawn,
@@ -19,8 +18,10 @@ from model.device.yields import (
     sobol_indices,
     yield_of,
 )
+from vibralign.commands import main as cli
+from vibralign.device import Tolerance, load_device
 
-PEG = Path(__file__).resolve().parents[1] / "square" / "peg.yaml"
+PEG = Path(__file__).resolve().parents[2] / "square" / "peg.yaml"
 COARSE = Settings(horizon=60.0, tolerance=1e-6)
 STARTS = [{"phase": phase, "initial_tilt": 0.001} for phase in (0.0, 2.0, 4.0)]
 

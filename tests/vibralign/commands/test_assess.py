@@ -7,19 +7,20 @@ from pathlib import Path
 
 import pytest
 
-from model import INSERTION, Settings
-from model.cli import main as cli
-from model.device import StatedDevice, assess, leeways, load_device
-from model.device.assess import Assessment, BaseVerdict
-from model.device.cases import cases_of
-from model.device.leeways import Leeway, Nearest
-from model.device.reliability import run_devices
-from model.device.yields import drawn
-from model.show.assumptions import assumptions
-from model.show.si import named_words
 from model.sweeps.settings import Ensemble
+from vibralign import INSERTION, Settings
+from vibralign.answers import assess, leeways
+from vibralign.answers.assess import Assessment, BaseVerdict
+from vibralign.answers.assumptions import assumptions
+from vibralign.answers.cases import cases_of
+from vibralign.answers.leeways import Leeway, Nearest
+from vibralign.answers.reliability import run_devices
+from vibralign.answers.si import named_words
+from vibralign.answers.yields import drawn
+from vibralign.commands import main as cli
+from vibralign.device import StatedDevice, load_device
 
-PEG = str(Path(__file__).parents[1] / "square" / "peg.yaml")
+PEG = str(Path(__file__).parents[2] / "square" / "peg.yaml")
 COARSE = ["--horizon", "60", "--tolerance", "1e-6"]
 IN_SECONDS = ["--horizon", "200 ms", "--tolerance", "1e-6"]  # of the peg: 20 of its units
 

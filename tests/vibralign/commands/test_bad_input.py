@@ -1,6 +1,5 @@
 """Bad input to commands: one line that names the remedy, exit code 2, no files left behind."""
 
-import errno
 import json
 import os
 import resource
@@ -10,23 +9,19 @@ from pathlib import Path
 
 import pytest
 
-from model import simulate
-from model.cli import main as cli
 from model.physics.parameters import PARAMETER_NAMES
 from model.physics.variants import VARIANT_NAMES
-from model.show import style
-from model.study.config import (
-    ConfigError,
-    baseline,
-    check_study,
-    load_study,
-    read_study,
-    study_path,
-)
 from model.sweeps.files import write_json, write_text
 from model.sweeps.io import write_dataset
+from study.config import (
+    study_path,
+)
+from vibralign import simulate
+from vibralign.commands import main as cli
+from vibralign.device.paper import baseline
+from vibralign.plots import style
 
-COMMAND = [sys.executable, "-m", "model.cli.main"]
+COMMAND = [sys.executable, "-m", "vibralign"]
 PEG = str(study_path().parents[1] / "tests" / "square" / "peg.yaml")
 
 OF_PEG = ["--device", PEG]
@@ -125,29 +120,6 @@ LINES = [
     ([*MAP, "--out", "map.csv"], ["--out map.csv: must end in .nc"]),
     ([*MAP, "--out", "nowhere/map.nc"], ["the folder nowhere does not exist"]),
     ([*MAP, "--plot", "map.xyz"], ["--plot map.xyz: must end in one of"]),
-    (["claims", "--root", "ROOT"], ["ROOT", "holds no datasets"]),
-    (["runs", "--root", "ROOT/nowhere"], ["nowhere"]),
-    (["runs", "--root", "ROOT/file"], ["file"]),
-    (["runs", "--root", "ROOT", "--figure", "6"], ["ROOT", "build the study first"]),
-    (["runs", "--root", "ROOT", "--figure", "fig77"], ["unknown figure 'fig77'"]),
-    (["runs", "--root", "ROOT", "--figure", "99"], ["unknown figure 'fig99'"]),
-    (["runs", "--root", "ROOT", "--figure", "6", "--invocations"], ["--figure", "runs"]),
-    (["runs", "--root", "ROOT", "--outcome", ""], ["outcome", "aligned"]),
-    (["runs", "--root", "ROOT", "--outcome", "don"], ["Did you mean 'done'?"]),
-    (["runs", "--root", "ROOT", "--outcome", "happy"], ["happy", "aligned"]),
-    (["runs", "--root", "ROOT", "--invocations"], ["ROOT", "build the study first"]),
-    (["show", "--root", "ROOT", "merge/fig06"], ["ROOT", "build the study first"]),
-    (["show", "--root", "ROOT/nowhere", "last"], ["nowhere"]),
-    (["diff", "ROOT", "other"], ["other: is no results folder"]),
-    (["diff", "ROOT"], ["B"]),
-    (["verify", "--root", "ROOT/nowhere"], ["nowhere", "make smoke"]),
-    (["verify", "--root", "ROOT/file"], ["file", "make smoke"]),
-    (["verify", "--root", "ROOT", "--figure", "0"], ["fig00"]),
-    (["accept", "--root", "ROOT"], ["--reason"]),
-    (["accept", "--root", "ROOT", "--reason", "so"], ["name what to accept: --figure"]),
-    (["accept", "--root", "ROOT", "--reason", "", "--figure", "6"], ["reason", "words"]),
-    (["export", "mlflow", "--root", "ROOT", "--tracking-uri", "sqlite:///ROOT/out.db"], ["ROOT"]),
-    (["export", "zip", "--tracking-uri", "ROOT/out.zip"], ["zip", "mlflow"]),
 ]
 
 
@@ -165,7 +137,7 @@ def _nothing_runs(monkeypatch):
     def forbidden(*_, **__):
         raise AssertionError("computed before everything was checked")
 
-    monkeypatch.setattr("model.cli.simulate.simulate", forbidden)
+    monkeypatch.setattr("vibralign.commands.simulate.simulate", forbidden)
     for name in ("align", "run_once"):
         monkeypatch.setattr(f"model.sweeps.sweep.{name}", forbidden)
 
@@ -185,60 +157,6 @@ def test_a_command_line(capsys, monkeypatch, root, line, words):
     for word in words:
         assert word.replace("ROOT", str(root)) in err
     assert {path: path.is_file() and path.read_bytes() for path in root.rglob("*")} == before
-
-
-@pytest.mark.parametrize("command", [["runs"], ["show", "last"]])
-def test_a_folder_that_may_not_be_read(capsys, monkeypatch, root, command):
-    # Not by chmod: root, whom containers run as, may read everywhere.
-    def denied(path, *_, **__):
-        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path))
-
-    monkeypatch.setattr(Path, "is_dir", denied)
-    assert cli.main([*command, "--root", str(root)]) == cli.FAILED
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert err.count("\n") == 1
-    assert str(root) in err
-    assert "allow access to it or choose another place" in err
-
-
-CONFIGURATIONS = {
-    "nothing": b"",
-    "a list": b"- 1\n- 2\n",
-    "a number": b"42\n",
-    "half of it": None,
-    "a bracket left open": b"figures: {fig06: [1, 2\n",
-    "tabs": b"figures:\n\tfig06: 1\n",
-    "a picture": b"\x89PNG\r\n\x1a\n\x00\x00",
-    "a reference to nothing": b"figures: *missing\n",
-    "a Python object": b"figures: !!python/object/apply:os.getcwd []\n",
-    "a key of two": b"? [a, b]\n: 1\n",
-}
-
-
-@pytest.mark.parametrize("content", CONFIGURATIONS.values(), ids=list(CONFIGURATIONS))
-def test_a_configuration(tmp_path, content):
-    path = tmp_path / "config.yaml"
-    whole = study_path().read_bytes()
-    path.write_bytes(whole[: len(whole) // 2] if content is None else content)
-    with pytest.raises(ConfigError) as refusal:
-        load_study(path)
-    assert str(path) in str(refusal.value)
-
-
-@pytest.mark.parametrize("name", ["", "nowhere/config.yaml"])
-def test_a_configuration_that_is_not_there_or_a_folder(tmp_path, name):
-    with pytest.raises(ConfigError, match="cannot be read"):
-        load_study(tmp_path / name)
-
-
-def test_text_in_place_of_a_number_is_refused_with_the_remedy():
-    stated = read_study(study_path())
-    stated["figures"]["fig06"]["swept"]["count"] = "60"  # as Snakemake's --config states it
-    with pytest.raises(ConfigError) as refusal:
-        check_study(stated)
-    assert "figures.fig06.swept.count = '60': is text, must be a number" in str(refusal.value)
-    assert "--configfile FILE" in str(refusal.value)
 
 
 # ------------------------------------------------------------------------------------- environment

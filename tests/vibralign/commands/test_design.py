@@ -9,16 +9,16 @@ import pytest
 import xarray as xr
 
 import vibralign
-from model import INSERTION, Settings, load_device
-from model.cli import main as cli
-from model.device import design_changes, design_trials
-from model.device.cases import cases_of
-from model.device.design import GENERATIONS, POPULATION
-from model.device.reliability import run_devices
-from model.device.yields import DEVICES, drawn
 from model.sweeps.settings import Ensemble
+from vibralign import INSERTION, Settings, load_device
+from vibralign.answers import design_changes, design_trials
+from vibralign.answers.cases import cases_of
+from vibralign.answers.design import GENERATIONS, POPULATION
+from vibralign.answers.reliability import run_devices
+from vibralign.answers.yields import DEVICES, drawn
+from vibralign.commands import main as cli
 
-PEG = Path(__file__).parents[1] / "square" / "peg.yaml"
+PEG = Path(__file__).parents[2] / "square" / "peg.yaml"
 QUICK = ["--generations", "1", "--population", "5", "--devices", "64"]
 BASE = ["--horizon", "600 ms", "--set", "contact_stiffness=300 kN/m"]
 

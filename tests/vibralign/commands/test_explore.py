@@ -5,11 +5,11 @@ from pathlib import Path
 
 import pytest
 
-from model.cli import main as cli
 from model.runs import in_browser
 from model.runs.in_browser import Modules, interface
+from vibralign.commands import main as cli
 
-PEG = str(Path(__file__).parents[1] / "square" / "peg.yaml")
+PEG = str(Path(__file__).parents[2] / "square" / "peg.yaml")
 
 
 @pytest.fixture

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from model.cli import main as cli
+from vibralign.commands import main as cli
 
-PEG = str(Path(__file__).parents[1] / "square" / "devices" / "peg.yaml")
+PEG = str(Path(__file__).parents[2] / "square" / "devices" / "peg.yaml")
 PLANE = ["--x", "friction", "0.1", "0.2", "--y", "press_force", "1", "2"]
 
 
@@ -23,7 +23,7 @@ def test_a_package_that_is_missing_is_named_with_its_extra(
     monkeypatch, capsys, tmp_path, module, line, words
 ):
     monkeypatch.chdir(tmp_path)
-    for using in ("model.device.yields", "model.device.design"):
+    for using in ("vibralign.answers.yields", "vibralign.answers.design"):
         monkeypatch.delitem(sys.modules, using, raising=False)  # imported anew, without scipy
     monkeypatch.setitem(sys.modules, module, None)
     assert cli.main(line) == cli.REFUSED

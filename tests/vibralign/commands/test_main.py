@@ -12,17 +12,18 @@ from pathlib import Path
 import pytest
 import yaml
 
-from model.cli import main as cli
-from model.cli import simulate as simulate_command
-from model.device import load_device
 from model.events.outcomes import OUTCOME_TEXT, Outcome, Reason, remedy
 from model.physics.parameters import FIELDS, PARAMETER_NAMES
 from model.physics.variants import Variants
 from model.runs.simulate import simulate
-from model.study.config import baseline, load_study, study_path
+from study.config import load_study, study_path
+from vibralign.commands import main as cli
+from vibralign.commands import simulate as simulate_command
+from vibralign.device import load_device
+from vibralign.device.paper import baseline
 
 ALIGNING = ["simulate", "--set", "press_force=2", "--set", "tilt_stiffness=10"]
-OWN = yaml.safe_load((Path(__file__).parents[1] / "device.yaml").read_text(encoding="utf-8"))
+OWN = yaml.safe_load((Path(__file__).parents[2] / "device.yaml").read_text(encoding="utf-8"))
 OWN = {**OWN["structure"], **OWN["operating_point"], "press_force": 9.0, "tilt_stiffness": 2.0}
 SETS = [part for each in OWN.items() for part in ("--set", "{}={}".format(*each))]
 OVERTURNING = ["simulate", *SETS]
@@ -215,7 +216,7 @@ def test_as_a_command():
     code = (
         "import runpy, sys\n"
         "sys.modules['scipy'] = None\n"
-        "try: runpy.run_module('model.cli.main', run_name='__main__', alter_sys=True)\n"
+        "try: runpy.run_module('vibralign.commands.main', run_name='__main__', alter_sys=True)\n"
         "finally: assert not {'matplotlib', 'xarray', 'jinja2'} & set(sys.modules)"
     )
     command = [sys.executable, "-c", code, *ALIGNING]
@@ -312,7 +313,7 @@ def test_the_start_is_that_of_the_option_then_the_file_then_the_study(tmp_path, 
 )
 def test_standard_streams_may_be_closed(tmp_path, closed):
     picture = tmp_path / "run.svg"
-    command = f"{sys.executable} -m model.cli.main simulate --horizon 1 --plot {picture} {closed}"
+    command = f"{sys.executable} -m vibralign simulate --horizon 1 --plot {picture} {closed}"
     run = subprocess.run(["sh", "-c", command], capture_output=True, text=True, check=False)
     assert run.returncode == cli.DONE
     assert "Traceback" not in run.stderr
@@ -321,7 +322,7 @@ def test_standard_streams_may_be_closed(tmp_path, closed):
 
 @pytest.mark.parametrize("full", [">/dev/full", ">/dev/full 2>&1"])
 def test_full_standard_streams_are_a_failure(full):
-    command = f"{sys.executable} -m model.cli.main simulate --horizon 1 {full}"
+    command = f"{sys.executable} -m vibralign.commands.main simulate --horizon 1 {full}"
     run = subprocess.run(["sh", "-c", command], capture_output=True, text=True, check=False)
     assert run.returncode == cli.FAILED
     assert "Traceback" not in run.stderr
@@ -333,7 +334,15 @@ def test_full_standard_streams_are_a_failure(full):
 )
 def test_the_backend_of_a_notebook_does_not_matter(tmp_path, backend):
     picture = tmp_path / "run.png"
-    words = [sys.executable, "-m", "model.cli.main", "simulate", "--horizon", "1", "--plot"]
+    words = [
+        sys.executable,
+        "-m",
+        "vibralign",
+        "simulate",
+        "--horizon",
+        "1",
+        "--plot",
+    ]
     own = {**os.environ, "MPLBACKEND": backend}
     run = subprocess.run([*words, picture], env=own, capture_output=True, check=False)
     assert run.returncode == cli.DONE, run.stderr

@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from model import Batch, align, load_device, simulate
-from model.cli import main as cli
 from model.events.insertion import INSERTION
 from model.events.outcomes import Outcome
 from model.runs.settings import Settings
-from model.study.config import baseline
 from model.sweeps import sweep
+from vibralign import Batch, align, load_device, simulate
+from vibralign.commands import main as cli
+from vibralign.device.paper import baseline
 
 PLANE = ["--x", "tilt_stiffness", "6", "20", "--y", "press_force", "1", "5"]
 SMALL = ["--resolution", "5", "--horizon", "30", "--tolerance", "1e-7"]
@@ -69,7 +69,7 @@ def test_a_dimensionless_map_of_a_round_part_is_round(tmp_path):
         assert same.all()
 
 
-PEG = str(Path(__file__).parents[1] / "square" / "peg.yaml")
+PEG = str(Path(__file__).parents[2] / "square" / "peg.yaml")
 SI_PLANE = ["--device", PEG, "--x", "tilt_stiffness", "0.4", "0.8", "--y", "frequency", "10", "60"]
 
 

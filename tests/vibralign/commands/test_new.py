@@ -5,11 +5,11 @@ from pathlib import Path
 
 import pytest
 
-from model.cli import main as cli
-from model.device import load_device
-from model.device.stated import LIMITS, QUANTITIES
+from vibralign.commands import main as cli
+from vibralign.device import load_device
+from vibralign.device.stated import LIMITS, QUANTITIES
 
-EXAMPLES = Path(__file__).resolve().parents[2] / "docs" / "devices"
+EXAMPLES = Path(__file__).resolve().parents[3] / "docs" / "devices"
 FILLED = {
     "mass": "0.25 kg", "axial_stiffness": "15 kN/m", "lateral_stiffness": "3 kN/m",
     "tilt_stiffness": "6 Nm/rad", "axial_damping_ratio": "7 %", "lateral_damping_ratio": "7 %",

@@ -6,11 +6,11 @@ import time
 
 import numpy as np
 
-from model.cli import main as cli
-from model.cli import progress
-from model.cli.progress import ProgressLine
 from model.engines.queue import Queue
 from model.runs import engines
+from vibralign.commands import main as cli
+from vibralign.commands import progress
+from vibralign.commands.progress import ProgressLine
 
 COMMAND = ["assess", "--horizon", "3", "--tolerance", "1e-4"]
 

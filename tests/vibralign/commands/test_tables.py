@@ -2,7 +2,7 @@
 
 import pytest
 
-from model.cli.tables import cell, pairs, table
+from vibralign.commands.tables import cell, pairs, table
 
 
 def test_columns_are_aligned_numbers_to_the_right() -> None:

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from model.device.amounts import read_amount, read_range
+from vibralign.device.amounts import read_amount, read_range
 
 POUND, INCH = 4.4482216152605, 0.0254  # N and m, by definition
 

@@ -6,13 +6,13 @@ from pathlib import Path
 
 import pytest
 
-from model import align
-from model.device import DeviceError, Tolerance, load_device
-from model.device.holder import natural_frequencies
 from model.events.outcomes import Outcome
 from model.physics.quantities import FREQUENCY
+from vibralign import align
+from vibralign.device import DeviceError, Tolerance, load_device
+from vibralign.device.holder import natural_frequencies
 
-EXAMPLE = Path(__file__).resolve().parents[1] / "square" / "peg.yaml"
+EXAMPLE = Path(__file__).resolve().parents[2] / "square" / "peg.yaml"
 ROUND = EXAMPLE.parents[2] / "docs" / "peg.yaml"
 WHOLE = {"half_width": "10 mm", "half_height": "40 mm"}
 HERTZ = {"materials": "steel on aluminium", "edge_radius": "0.2 mm"}

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from model.cli import main as cli
-from tests.show.explorer.browser import Page, browser, find_browser
+from tests.vibralign.explorer.browser import Page, browser, find_browser
+from vibralign.commands import main as cli
 
 DOCS = Path(__file__).parents[3] / "docs"
 DEVICES = ("devices/shaft", "devices/pin", "peg")

@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from model.cli import main as cli
 from model.events.insertion import INSERTION
 from model.events.outcomes import Outcome
 from model.physics.parameters import Batch
@@ -18,10 +17,12 @@ from model.runs.align import run_once
 from model.runs.in_browser import interface, modules
 from model.runs.simulate import simulate
 from model.runs.trace import trace_run
-from model.show.explorer.content import device_model, study_model
-from model.show.explorer.page import build_page, run_page
-from model.study.config import load_study, study_path
-from tests.show.explorer.browser import Page, find_browser
+from study.config import load_study, study_path
+from study.explorer import study_model
+from tests.vibralign.explorer.browser import Page, find_browser
+from vibralign.commands import main as cli
+from vibralign.explorer.content import device_model
+from vibralign.explorer.page import build_page, run_page
 
 PATH = find_browser()
 pytestmark = [

@@ -9,13 +9,13 @@ from pathlib import Path
 
 import pytest
 
-from model.cli import main as cli
-from model.device.amounts import read_amount
-from model.device.stated import unit_of
 from model.events.insertion import INSERTION
 from model.events.outcomes import Outcome
-from model.study.config import load_study, study_path
-from tests.show.explorer.browser import find_browser
+from study.config import load_study, study_path
+from tests.vibralign.explorer.browser import find_browser
+from vibralign.commands import main as cli
+from vibralign.device.amounts import read_amount
+from vibralign.device.stated import unit_of
 
 pytestmark = [
     pytest.mark.browser,

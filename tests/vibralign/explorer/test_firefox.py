@@ -15,9 +15,9 @@ import pytest
 
 from model.runs.in_browser import modules
 from model.runs.simulate import simulate
-from model.show.explorer.content import study_model
-from model.show.explorer.page import build_page
-from model.study.config import load_study, study_path
+from study.config import load_study, study_path
+from study.explorer import study_model
+from vibralign.explorer.page import build_page
 
 PATH = shutil.which("firefox") or shutil.which("firefox-esr")
 pytestmark = [

@@ -11,17 +11,18 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from model.device import load_device
 from model.events.outcomes import OUTCOME_TEXT, Outcome, Reason, remedy
 from model.physics.parameters import FIELDS, PARAMETER_NAMES
 from model.runs.in_browser import Modules, interface
 from model.runs.settings import Settings
 from model.runs.trace import COLUMNS, Trace
-from model.show.explorer import page as module
-from model.show.explorer.content import device_model, study_model
-from model.show.explorer.page import SCRIPTS, build_page, run_page
-from model.study.config import MAPS, load_study, study_path
 from model.sweeps.io import write_dataset
+from study.config import MAPS, load_study, study_path
+from study.explorer import study_model
+from vibralign.device import load_device
+from vibralign.explorer import page as module
+from vibralign.explorer.content import device_model
+from vibralign.explorer.page import SCRIPTS, build_page, run_page
 
 STUDY = load_study(study_path())
 INTERFACE = interface()

@@ -4,8 +4,8 @@ import pytest
 import xarray as xr
 
 from tests.comparison_data import timed_settings
-from tests.show.drawn import DURATIONS, grid
-from tests.show.report_data import datasets, lines, rendered, root, study
+from tests.study.report_data import datasets, lines, rendered, root, study
+from tests.vibralign.plots.drawn import DURATIONS, grid
 
 __all__ = [
     "datasets", "lines", "rendered", "root", "study",

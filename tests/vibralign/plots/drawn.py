@@ -7,7 +7,7 @@ import xarray as xr
 
 from model.events.outcomes import Outcome, Reason
 from model.physics.parameters import FIELDS
-from model.study.config import baseline
+from vibralign.device.paper import baseline
 
 NAN = np.nan
 FREQUENCY = 0.5  # its period is 4 π: no two neighbours of DURATIONS differ by a third of it

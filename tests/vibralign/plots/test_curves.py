@@ -6,12 +6,12 @@ from matplotlib.collections import PolyCollection
 from matplotlib.path import Path as Outline
 
 from model.events.outcomes import Outcome
-from model.show import style
-from model.show.curves import SENSITIVE_LABEL, curves, draw_runs, jumps
-from model.show.style import FAILED_LABEL, NOT_ALIGNED, NOT_INSERTED
-from tests.show.drawn import DURATIONS, NAN, curve_lines, followed, grid, named
 from tests.study.claims_data import falling, within
 from tests.study.claims_data import runs as made_up
+from tests.vibralign.plots.drawn import DURATIONS, NAN, curve_lines, followed, grid, named
+from vibralign.plots import style
+from vibralign.plots.curves import SENSITIVE_LABEL, curves, draw_runs, jumps
+from vibralign.plots.style import FAILED_LABEL, NOT_ALIGNED, NOT_INSERTED
 
 
 def segments(line) -> list[tuple[np.ndarray, np.ndarray]]:

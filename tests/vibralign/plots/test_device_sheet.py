@@ -3,12 +3,12 @@
 import re
 from pathlib import Path
 
-from model.cli import sheet
-from model.device import load_device
 from model.runs.settings import Settings
-from model.study.config import load_study, study_path
+from study.config import load_study, study_path
+from vibralign.commands import sheet
+from vibralign.device import load_device
 
-PEG = Path(__file__).resolve().parents[1] / "square" / "devices" / "peg.yaml"
+PEG = Path(__file__).resolve().parents[2] / "square" / "devices" / "peg.yaml"
 VERDICT = ("reliable at the stated values; yield 100 % under the tolerances", True)
 GROUPS = {
     "Verdict": ["starts   aligns from 32 of 32 starts", "at most  19 N"],

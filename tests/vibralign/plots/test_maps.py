@@ -9,8 +9,11 @@ from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 
 from model.events.outcomes import Outcome, Unvibrated
-from model.show import style
-from model.show.maps import (
+from study.plots import draw
+from tests.vibralign.plots.drawn import NAN, followed, grid, named
+from vibralign.answers.si import readable
+from vibralign.plots import style
+from vibralign.plots.maps import (
     ADDED_LABELS,
     LEFT_LABEL,
     RELIABLE_LABEL,
@@ -20,10 +23,7 @@ from model.show.maps import (
     stability_map,
     vibration_map,
 )
-from model.show.plots import draw
-from model.show.si import readable
-from model.show.style import FAILED_LABEL, NOT_ALIGNED, NOT_INSERTED
-from tests.show.drawn import NAN, followed, grid, named
+from vibralign.plots.style import FAILED_LABEL, NOT_ALIGNED, NOT_INSERTED
 
 CELLS = 32
 

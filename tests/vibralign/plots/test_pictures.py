@@ -5,11 +5,12 @@ from pathlib import Path
 import pytest
 from matplotlib.testing.compare import compare_images
 
-from model.show import plots, schematics, style
-from model.study.config import FIGURES, SCHEMATICS, load_study, study_path
 from model.sweeps.io import read_dataset
+from study import plots, schematics
+from study.config import FIGURES, SCHEMATICS, load_study, study_path
+from vibralign.plots import style
 
-REFERENCE = Path(__file__).resolve().parents[1] / "reference"
+REFERENCE = Path(__file__).resolve().parents[2] / "reference"
 STUDY = load_study(study_path())
 # Root mean square of the difference of the pixels, of 255. Here it is 0: fonts and renderer come
 # with the pinned matplotlib.

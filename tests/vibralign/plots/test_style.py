@@ -6,7 +6,7 @@ from pathlib import Path
 import matplotlib as mpl
 from matplotlib import font_manager
 
-from model.show import style
+from vibralign.plots import style
 
 
 def test_fonts_are_those_of_matplotlib_whatever_the_machine_has(tmp_path, monkeypatch):

@@ -2,8 +2,8 @@
 
 import pytest
 
-from model.show.report.section import symbol
-from model.show.words import mathtext, number, percent, power
+from study.report.section import symbol
+from vibralign.plots.words import mathtext, number, percent, power
 
 
 @pytest.mark.parametrize(

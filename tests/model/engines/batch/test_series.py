@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from numpy.polynomial.polynomial import polyval
 
-from model import Settings
 from model.compile.entries import compiled
 from model.compile.vector_code import WIDTH
 from model.engines.batch import event_search, lane_events, peaks, series_kernels, step, workspace
@@ -53,6 +52,7 @@ from model.physics.modes import CLOSED, OPEN, RELEASED, START, STICKING, Mode
 from model.physics.motion import motion_at
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
 from model.physics.parameters import Constants
+from vibralign import Settings
 
 FACE, SUPPORT_SLIP, SIDE, SIDE_SLIP = (
     workspace.MODE_LINE + Mode._fields.index(name)

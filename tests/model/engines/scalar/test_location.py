@@ -17,7 +17,7 @@ from model.events.kernels import MOST_SAMPLES, sample_into
 from model.events.table import OVERTURNED, RIGHT_EDGE_ENTERS
 from model.physics.modes import OPEN, START
 from model.physics.notation import State
-from tests.engines.steps import ALIGNMENT_EVENTS, Steps
+from tests.model.engines.steps import ALIGNMENT_EVENTS, Steps
 
 FREE = START._replace(face=OPEN)
 # The root of a polynomial with coefficients of order one is known to 1e-15 over its slope there.

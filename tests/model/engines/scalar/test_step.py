@@ -7,7 +7,7 @@ from model.engines.scalar.step import error_estimate, interpolate, right_hand_si
 from model.engines.scalar.tableaux import DOP853
 from model.physics.modes import OPEN, SLIP_POSITIVE, START
 from model.physics.notation import RIGHT_EDGE, STATE_SIZE, State
-from tests.engines.steps import Steps
+from tests.model.engines.steps import Steps
 
 FREE = START._replace(face=OPEN)
 SLIDING = START._replace(edge=RIGHT_EDGE, support_slip=SLIP_POSITIVE)

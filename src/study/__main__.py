@@ -1,0 +1,21 @@
+"""The commands of the study: ``python -m study``."""
+
+import sys
+from collections.abc import Sequence
+
+from study.commands import claims, reference, tracking
+from vibralign.commands.program import DONE, FAILED, INTERRUPTED, REFUSED, run_program
+
+__all__ = ["DONE", "FAILED", "INTERRUPTED", "REFUSED", "main"]
+
+DESCRIPTION = "The study of vibratory part alignment: its recorded runs, its claims, its reference."
+COMMANDS = tracking, reference, claims  # in the order of the help
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run a command of the study and return its exit code."""
+    return run_program("python -m study", DESCRIPTION, COMMANDS, argv)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,1 @@
+"""Answers on an engineer's device: assessment, design, yield, maps, and what they assume."""

@@ -1,0 +1,144 @@
+"""A program with subcommands, ``vibralign`` or ``python -m study``; each subcommand has a module.
+
+All input is checked before anything is computed; the message of a refusal is one line with the
+value, the rule and the valid choices. Slow modules are imported where they are needed.
+"""
+
+import argparse
+import contextlib
+import errno
+import io
+import os
+import re
+import sys
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any, NoReturn, TextIO
+
+from model.sweeps.version import version
+from vibralign.commands.files import WriteError
+
+DONE, FAILED, REFUSED, INTERRUPTED = 0, 1, 2, 130
+_OWN = ("model", "vibralign", "study")  # packages that are there
+
+
+def add_command(
+    commands: Any,
+    name: str,
+    run: Callable[[argparse.Namespace], int],
+    words: str,
+    more: str = ".",
+    epilog: str | None = None,
+) -> Any:
+    """Add a command to the parsers of a program and return its own parser.
+
+    ``run`` takes the parsed arguments and returns the exit code. ``words`` are the summary in the
+    list of commands; the description is ``words`` followed by ``more``.
+    """
+    description = f"{words[0].upper()}{words[1:]}{more}"
+    parser = commands.add_parser(
+        name, help=words, description=description, epilog=epilog, allow_abbrev=False
+    )
+    parser.set_defaults(run=run)
+    return parser
+
+
+def add_json(parser: Any) -> None:
+    """Add --json."""
+    parser.add_argument("--json", action="store_true", help="print everything as JSON")
+
+
+class _Parser(argparse.ArgumentParser):
+    appendix: Callable[[], str] | None = None  # makes the end of the help, when it is asked for
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**options)
+        self._negative_number_matcher = re.compile(r"-(\.?\d|inf)")  # -5deg is no option
+
+    def error(self, message: str) -> NoReturn:
+        """Refuse in one line, without the usage."""
+        self.exit(REFUSED, f"{self.prog}: error: {message} (see {self.prog} --help)\n")
+
+    def format_help(self) -> str:
+        """Return the help, with the appendix at its end."""
+        return super().format_help() + (f"\n{self.appendix()}" if self.appendix else "")
+
+
+def run_program(
+    name: str, description: str, commands: Iterable[Any], argv: Sequence[str] | None = None
+) -> int:
+    """Run a command of a program; the exit code is 0 done, 1 failed, 2 bad input, 130 interrupted.
+
+    Args:
+        name: the program, as messages name it.
+        description: first words of its help.
+        commands: modules whose function ``add`` adds commands to the parsers, in the help's order.
+        argv: the arguments, by default those of this process.
+    """
+    os.environ["MPLBACKEND"] = "agg"  # files are drawn by it; that of a notebook fails here
+    _open_streams()
+    if isinstance(sys.stdout, io.TextIOWrapper):  # a terminal that cannot show τ gets a ? for it
+        sys.stdout.reconfigure(errors="replace")
+    try:
+        return _run(_parser(name, description, commands), argv)
+    except SystemExit as ending:  # argparse: help, version, a refusal
+        return ending.code if isinstance(ending.code, int) else DONE
+    except ValueError as refusal:
+        return _failed(name, REFUSED, refusal)
+    except ModuleNotFoundError as missing:
+        if missing.name is None or missing.name.partition(".")[0] in _OWN:
+            raise
+        remedy = "pip install 'vibralign[study]'"
+        return _failed(name, REFUSED, f"needs {missing.name}, which is not installed: {remedy}")
+    except KeyboardInterrupt:
+        with contextlib.suppress(OSError):
+            print(f"{name}: interrupted", file=sys.stderr)
+        return INTERRUPTED
+    except BrokenPipeError:  # `vibralign … | head`: nobody reads a message
+        _discard(sys.stdout)
+        return FAILED
+    except WriteError as error:
+        return _failed(name, FAILED, error)
+    except OSError as error:
+        denied = error.errno in (errno.EACCES, errno.EPERM, errno.EROFS)
+        remedy = "allow access to it" if denied else "free some space"
+        _failed(name, FAILED, f"{error}: {remedy} or choose another place and run it again")
+        _discard(sys.stdout)
+        return FAILED
+
+
+def _open_streams() -> None:
+    """Open the null device for standard streams that are closed, in which files would else land."""
+    for name in ("stdin", "stdout", "stderr"):
+        if getattr(sys, name) is None:
+            number = os.open(os.devnull, os.O_RDWR)  # the lowest that is free
+            setattr(sys, name, os.fdopen(number, "r" if name == "stdin" else "w"))
+
+
+def _failed(name: str, code: int, words: object) -> int:
+    try:
+        print(f"{name}: error: {words}", file=sys.stderr, flush=True)
+    except OSError:  # also standard error may be full
+        _discard(sys.stderr)
+    return code
+
+
+def _discard(stream: TextIO) -> None:
+    """Discard what is left of a stream: Python writes it at its end, and would fail again."""
+    with contextlib.suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+
+
+def _run(parser: _Parser, argv: Sequence[str] | None) -> int:
+    arguments = parser.parse_args(argv)
+    code = int(arguments.run(arguments))
+    sys.stdout.flush()  # here, where ``run_program`` still handles a broken pipe
+    return code
+
+
+def _parser(name: str, description: str, commands: Iterable[Any]) -> _Parser:
+    parser = _Parser(prog=name, description=description, allow_abbrev=False)
+    parser.add_argument("--version", action="version", version=f"%(prog)s {version()}")
+    parsers = parser.add_subparsers(required=True, metavar="command", parser_class=_Parser)
+    for command in commands:
+        command.add(parsers)
+    return parser
