@@ -111,16 +111,19 @@ PATIENCE = 86_400 if BUILT_TWICE == "full" else 3_600  # seconds: a hanging Snak
 # import: most of their time. A fork with another PYTHONPATH or folder of caches imports the project
 # anew.
 PRELOADED = """
-import gc, json, os, runpy, select, signal, socket, sys
+import atexit, gc, json, os, runpy, select, signal, socket, sys
 import matplotlib.pyplot, netCDF4, pint, scipy.ndimage, scipy.special, smart_open, xarray
 import snakemake.cli, snakemake.report.html_reporter
 import study.claims, study.config, study.plans
 from model.engines.batch.lane_events import lane_events_of
+from model.events.insertion import INSERTION
 from model.events.kernels import in_kernels
+from model.events.scenes import ALIGNMENT
 
-for scene in model.ALIGNMENT, model.INSERTION:
+for scene in ALIGNMENT, INSERTION:
     lane_events_of(in_kernels(scene).events)  # derived once
 
+PACKAGES = "model", "vibralign", "study"
 READ_AT_IMPORT = "PYTHONPATH", "XDG_CACHE_HOME"
 sys.executable = os.path.abspath("python")  # with which Snakemake runs scripts
 gc.freeze()  # forks need not look through what they share
@@ -143,6 +146,7 @@ while sys.stdin not in select.select([listener, sys.stdin], [], [])[0]:  # close
         asked.close()
         continue
     signal.signal(signal.SIGCHLD, signal.SIG_DFL)
+    atexit._clear()  # what the process that forks would do at its own end
     told, written, *_ = socket.recv_fds(asked, 65536, 2)
     while part := asked.recv(65536):
         told += part
@@ -151,7 +155,7 @@ while sys.stdin not in select.select([listener, sys.stdin], [], [])[0]:  # close
     os.chdir(folder)
     if any(environment.get(each) != os.environ.get(each) for each in READ_AT_IMPORT):
         sys.path[:0] = environment["PYTHONPATH"].split(os.pathsep)
-        for each in [each for each in sys.modules if each.split(".")[0] == "model"]:
+        for each in [each for each in sys.modules if each.split(".")[0] in PACKAGES]:
             del sys.modules[each]
     os.environ.clear(), os.environ.update(environment)
     code = 1
@@ -167,6 +171,7 @@ while sys.stdin not in select.select([listener, sys.stdin], [], [])[0]:  # close
         code = ended.code or 0
     except BaseException:  # as the interpreter does with an uncaught exception
         sys.excepthook(*sys.exc_info())
+    atexit._run_exitfuncs()
     sys.stdout.flush(), sys.stderr.flush()
     asked.sendall(str(code).encode())
     os._exit(0)
@@ -243,7 +248,7 @@ class Workspace:
     @property
     def environment(self) -> dict[str, str]:
         """Variables with which jobs import the package from ``checkout``, without an invocation."""
-        kept = {name: value for name, value in os.environ.items() if "VIBRALIGN_INV" not in name}
+        kept = {name: value for name, value in os.environ.items() if "VIBRALIGN_START" not in name}
         return {**kept, "PYTHONPATH": self.sources, **self.added}
 
     def command(self, *arguments: str, cores: int = 2) -> list[str]:

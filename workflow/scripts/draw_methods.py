@@ -5,7 +5,7 @@ from pathlib import Path
 from benchmarks.report.stability_plot import stability
 from benchmarks.report.work_precision_plots import evaluations_over_error, time_over_error
 from benchmarks.work_precision import read_settings
-from study.tracking.job import recorded, snakemake
+from study.tracking.records import recorded, snakemake
 from vibralign.plots.style import save
 
 DRAW = {"evaluations": evaluations_over_error, "times": time_over_error, "stability": stability}

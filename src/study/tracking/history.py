@@ -47,7 +47,9 @@ def start_file(root: Path, start: int) -> Path:
 def _numbers(root: Path) -> list[int]:
     """Return the numbers of the recorded starts, in order."""
     paths = (root / "history").iterdir() if (root / "history").is_dir() else ()
-    return sorted(int(path.stem) for path in paths if path.suffix == ".json" and path.stem.isdigit())
+    return sorted(
+        int(path.stem) for path in paths if path.suffix == ".json" and path.stem.isdigit()
+    )
 
 
 def free_number(root: Path) -> int:
@@ -72,7 +74,9 @@ def completed(root: Path, record: Record, outcome: str, ended: datetime | None) 
     failures: list[Record] = []
     if outcome in ("failed", "interrupted"):
         reasons = slurm_reasons(root, record.get("snakemake_log"))
-        failures = _runs_without_record(root, record["start"], reasons, {each["run"] for each in own})
+        failures = _runs_without_record(
+            root, record["start"], reasons, {each["run"] for each in own}
+        )
         if failures and all(each["status"] == "interrupted" for each in failures):
             outcome = "interrupted"
     seconds = ended and (ended - datetime.fromisoformat(record["started"])).total_seconds()

@@ -15,10 +15,9 @@ import re
 import resource
 import sys
 import time
-from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from collections.abc import Iterable, Iterator, Sequence, Set
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -29,8 +28,8 @@ from study.tracking.locks import hold_as_job
 
 Record = dict[str, Any]
 
-# The environment variable by which a start tells its jobs, on any machine: its number, the hashes of
-# the configuration and of the scripts' code, the versions of packages and the state of the checkout.
+# The environment variable by which a start tells its jobs, on any machine: its number, the hashes
+# of configuration and scripts' code, the versions of packages and the state of the checkout.
 START = "VIBRALIGN_START"
 _KEYS = {"run", "rule", "start", "inputs", "outputs"}
 # The object ``snakemake`` that Snakemake gives to a script; None in any other process.
@@ -49,7 +48,7 @@ def recorded(snakemake: Any, *, part: bool = False) -> Iterator[Record]:
         part: True if another job assembles the outputs of this one and of others.
 
     Yields:
-        Further entries of the record, to which the script adds.
+        Entries of the record, to which the script adds.
 
     Raises:
         SystemExit: the job belongs to no start, its start was killed, or its code was edited since.
@@ -71,16 +70,18 @@ def recorded(snakemake: Any, *, part: bool = False) -> Iterator[Record]:
     code = code_of(script.parents[2], f"workflow/scripts/{script.name}")
     if start["codes"].get(script.stem, code_hash(code)) != code_hash(code):
         raise SystemExit(f"{run} refused: its code was edited after the start; start again")
-    added: Record = {"part": True} if part else {}
+    added: Record = {"code": code_hash(code), "sources": dict(each.split() for each in code)}
+    if part:
+        added["part"] = True
     yield added
     content = {
         **named(run),
         "start": start["start"],
-        "code": code_hash(code),
-        "sources": dict(each.split() for each in code),
         "stated": stated_hash(snakemake.params),
         "inputs": _hashes(snakemake.input, record.parent),
-        "outputs": _hashes((each for each in snakemake.output if each != str(record)), record.parent),
+        "outputs": _hashes(
+            (each for each in snakemake.output if each != str(record)), record.parent
+        ),
         "started": iso(began),
         "wall_seconds": round((datetime.now(UTC) - began).total_seconds(), 3),
         "peak_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024,
@@ -178,6 +179,12 @@ def files_of(record: Record, kind: str) -> dict[Path, str]:
     }
 
 
+def changed_inputs(record: Record) -> list[Path]:
+    """Return the inputs of a run that are there and are not those that it read."""
+    inputs = files_of(record, "inputs").items()
+    return [path for path, sha256 in inputs if path.exists() and file_hash(path) != sha256]
+
+
 # --- The look -----------------------------------------------------------------------------------
 
 
@@ -212,7 +219,6 @@ def look(jobs: Iterable[Kept]) -> None:
 
 
 _SHOWN = 20
-_hash_once = cache(file_hash)  # a start looks once, and many runs share their inputs
 
 
 def _faults(job: Kept) -> Iterator[str]:
@@ -232,13 +238,11 @@ def _faults(job: Kept) -> Iterator[str]:
     for path in there:
         if not path.exists():
             yield f"{path}: is a link to nothing"
-        elif made.get(Path(os.path.normpath(path))) != _hash_once(path):
+        elif made.get(Path(os.path.normpath(path))) != file_hash(path):
             yield f"{path}: is not the file that its job left"
         elif path.stat().st_mtime > time.time():
             yield f"{path}: is dated in the future; correct the clock and `touch` the file"
-    for path, sha256 in files_of(record, "inputs").items():
-        if path.exists() and _hash_once(path) != sha256:
-            yield f"{there[0]}: was made from another {path}"
+    yield from (f"{there[0]}: was made from another {path}" for path in changed_inputs(record))
     for what in ("code", "stated"):
         if record.get(what) != getattr(job, what):
             words = "code" if what == "code" else "configuration"

@@ -95,10 +95,10 @@ class Start(logging.Filter):
         return code_hash(code_of(Path(self._workflow.basedir), source))
 
     def _look(self) -> None:
-        """Look at the outputs of all jobs that Snakemake leaves out, before it starts the others."""
+        """Look at the outputs of all jobs that Snakemake leaves out, before it runs the others."""
         dag, touches = self._workflow.dag, self._workflow.touch
-        look(self._kept(job) for job in dag.jobs
-             if "record" in job.output.keys() and (touches or not dag.needrun(job)))  # fmt: skip
+        kept = (job for job in dag.jobs if touches or not dag.needrun(job))
+        look(self._kept(job) for job in kept if hasattr(job.output, "record"))
 
     def _kept(self, job: Any) -> Kept:
         record = Path(job.output.record)
@@ -109,13 +109,16 @@ class Start(logging.Filter):
     def _end(self) -> None:
         """Record the end, and tell which runs failed; the process ends then."""
         logger.removeFilter(self)
-        if not self._record and (self._outcome != "failed" or self._workflow.output_settings.dryrun):
+        if not self._record and (
+            self._outcome != "failed" or self._workflow.output_settings.dryrun
+        ):
             return
         try:
             if not self._record:  # refused before it executed anything
                 (self._root / "history").mkdir(parents=True, exist_ok=True)
                 self._write_start()
-            self._record["snakemake_log"] = self._workflow.logger_manager.get_logfile()
+            logs = self._workflow.logger_manager.get_logfile()
+            self._record["snakemake_log"] = logs[0] if logs else None
             ended = completed(self._root, self._record, self._outcome, datetime.now(UTC))
             if self._error and not ended["failures"]:
                 ended["reason"] = self._error
@@ -128,7 +131,7 @@ class Start(logging.Filter):
             say(f"{each['run']} {each['status']}: {each['reason']} ({self._root / each['log']})")
 
 
-def _refusing(step: Callable[[], None]) -> None:
+def _refusing(step: Callable[[], object]) -> None:
     """Take a step of a start; what goes wrong stops Snakemake, in words."""
     try:
         step()
