@@ -1,7 +1,7 @@
 """Jobs that run again after an edit are exactly those that depend on it, by the real Snakemake.
 
-The outputs are empty files that Snakemake takes for made, so that every case is one dry run. Each
-takes seconds: `make test` tries eight edits, `make nightly` all.
+Every case is one dry run, on a copy of the golden build. Each takes seconds: `make test` tries
+eight edits, `make nightly` all.
 """
 
 import contextlib
@@ -63,17 +63,17 @@ MORE_EDITS = [
 OF_NO_JOB = [
     ("src/model/physics/forces.py", "-f0, the initial", "Other words, the initial"),
     ("src/vibralign/answers/leeways.py", *EDIT),
-    ("src/study/tracking/job.py", *EDIT),
+    ("src/study/tracking/records.py", *EDIT),
     ("src/vibralign/commands/main.py", *EDIT),
     ("verification/accuracy.py", "TIGHT = 1e-13", "TIGHT = 1e-12"),
 ]
 
 
 @pytest.fixture(scope="module")
-def project(touched: Any, tmp_path_factory: pytest.TempPathFactory) -> Any:
-    """A copy of the made study, and of the package; all tests but the last leave it as it was."""
-    made = copy.copy(touched)
-    made.folder = shutil.copytree(touched.folder, tmp_path_factory.mktemp("edited") / "project")
+def project(built: Any, tmp_path_factory: pytest.TempPathFactory) -> Any:
+    """A copy of the golden build, and of the package; all tests but the last leave it as it was."""
+    made = copy.copy(built)
+    made.folder = shutil.copytree(built.folder, tmp_path_factory.mktemp("edited") / "project")
     for part in ("src", "verification", "benchmarks"):  # with their bytecode, if there is any
         shutil.copytree(PROJECT / part, made.folder / part)
     return made

@@ -74,7 +74,7 @@ def completed(root: Path, record: Record, outcome: str, ended: datetime | None) 
     failures: list[Record] = []
     if outcome in ("failed", "interrupted"):
         reasons = slurm_reasons(root, record.get("snakemake_log"))
-        failures = _runs_without_record(
+        failures = runs_without_record(
             root, record["start"], reasons, {each["run"] for each in own}
         )
         if failures and all(each["status"] == "interrupted" for each in failures):
@@ -125,7 +125,7 @@ def find_start(history: Sequence[Record], name: str) -> Record:
 # --- Runs ---------------------------------------------------------------------------------------
 
 
-def _runs_without_record(
+def runs_without_record(
     root: Path, start: int, reasons: Mapping[str, str], whole: set[str]
 ) -> list[Record]:
     """Return the runs of a start that left no record: failed or interrupted.
