@@ -249,7 +249,7 @@ class Workspace:
 
     @property
     def environment(self) -> dict[str, str]:
-        """Variables with which jobs import the package from ``checkout``, without an invocation."""
+        """Variables with which jobs import the package from ``checkout``, without a start."""
         kept = {name: value for name, value in os.environ.items() if "VIBRALIGN_START" not in name}
         return {**kept, "PYTHONPATH": self.sources, **self.added}
 

@@ -309,7 +309,7 @@ def test_differences_of_every_kind_are_found(capsys: Any, results: Path, kept: P
     (kept / "data/fig10.nc").unlink()
     for path in (kept / "data").glob("*.nc"):  # datasets that are no figures
         if "outcome" not in xr.open_dataset(path):
-            changed(path, lambda dataset: dataset.isel({list(dataset.dims)[0]: slice(1)}))
+            changed(path, lambda dataset: dataset.isel({next(iter(dataset.dims)): slice(1)}))
     found = diff(capsys, str(results), str(kept), code=1)
     (change,) = [each for each in found["data"] if each["figure"] == "fig11"]
     assert (change["variable"], change["differing"]) == ("tau_align", 1)

@@ -154,7 +154,7 @@ def test_what_cannot_is_refused_with_the_remedy(tmp_path, kind, damage):
     kind.write(path)
     path.write_bytes(damage(path.read_bytes()))
     if damage is DAMAGES["cut off"] and kind.name.endswith(".csv"):
-        return  # a shorter table; the hash in the sidecar tells
+        return  # a shorter table; the hash in the record tells
     with pytest.raises(kind.error) as refusal:
         kind.read(path)
     assert str(path) in str(refusal.value)
