@@ -105,7 +105,7 @@ def test_commits_that_a_page_names_exist():
     asked = ["git", "-C", str(REPOSITORY), "cat-file", "--batch-check"]
     given = "".join(f"{name}^{{commit}}\n" for name in sorted(named))
     told = subprocess.run(asked, input=given, capture_output=True, text=True, check=True).stdout
-    assert [line for line in told.splitlines() if not line.split()[1:2] == ["commit"]] == []
+    assert [line for line in told.splitlines() if line.split()[1:2] != ["commit"]] == []
 
 
 def test_the_version_is_stated_once():
