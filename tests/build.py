@@ -178,9 +178,12 @@ while sys.stdin not in select.select([listener, sys.stdin], [], [])[0]:  # close
     asked.sendall(str(code).encode())
     os._exit(0)
 """
-# Stands in for `python`: has PRELOADED run a module or a script, and ends with its exit code.
+# Stands in for `python`: has PRELOADED run a module or a script, and ends with its exit code. A
+# command (-c) runs in a Python of its own, which it was given because of what is read at the start.
 CLIENT = """#!{python} -IS
 import json, os, socket, sys
+if sys.argv[1] == "-c":
+    os.execv({python!r}, [{python!r}, *sys.argv[1:]])
 server = socket.socket(socket.AF_UNIX)
 server.connect({path!r})
 asked = json.dumps([os.getcwd(), dict(os.environ), sys.argv[1:]]).encode()
