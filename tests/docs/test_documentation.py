@@ -17,7 +17,7 @@ PAGES = [*REPOSITORY.glob("*.md"), *DOCS.rglob("*.md")]
 HELD_BY = re.compile(r"^```\{held-by\}\n(.*?)^```", re.MULTILINE | re.DOTALL)
 LABEL = re.compile(r"^\$\$ \((eq-\w+)\)$", re.MULTILINE)
 LINK = re.compile(r"\]\(([^)#\s]+)\)")
-FILE = re.compile(r"`((?:src|config|workflow|tests|docs|verification|benchmarks)/[\w./-]+\.\w+)`")
+FILE = re.compile(r"`((?:src|config|workflow|tests|docs|verification)/[\w./-]+\.\w+)`")
 
 
 def definitions(path: Path) -> set[str]:

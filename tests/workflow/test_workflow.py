@@ -42,14 +42,6 @@ def test_a_file_that_may_mean_two_things_is_refused(workspace: Any, text: str) -
     assert "tiny.yaml: cannot be read as YAML: line 1" in run.stdout + run.stderr
 
 
-def test_an_interruption_before_the_first_job_is_recorded_as_one(workspace: Any) -> None:
-    rules = workspace.folder / "workflow/rules/accuracy.smk"
-    rules.write_text("raise KeyboardInterrupt\n", encoding="utf-8")
-    assert workspace.forked().returncode
-    (record,) = load_history(workspace.folder / "tiny")
-    assert record["outcome"] == "interrupted"
-
-
 def test_one_figure_is_a_target(workspace: Any) -> None:
     run = workspace.dry_run("fig11")
     assert run.returncode == 0, run.stderr

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from study.plans import sweep_of
 from study.tracking.code import code_of
-from benchmarks.plans import PICTURES
+from verification.bench.plans import PICTURES
 
 
 def code(script):
@@ -33,11 +33,6 @@ def sweep(wildcards):
 def chunks(wildcards):
     """Return the number of chunks of a figure or map."""
     return study.spec_of(wildcards.name).chunks
-
-
-def picture_at(wildcards):
-    """Return the name of the picture at a place, in the comparison of methods."""
-    return {place: name for name, place in PICTURES.items()}[wildcards.place]
 
 
 def numbers_of_part(wildcards):

@@ -26,6 +26,7 @@ from model.physics.quantities import (
     INERTIA,
     LENGTH,
     PLAIN,
+    SPEED,
     STIFFNESS,
     TILT_DAMPING,
     TILT_STIFFNESS,
@@ -46,13 +47,22 @@ def check_name(name: str, valid: Sequence[str], what: str) -> None:
     raise ValueError(f"unknown {what} {name!r}.{hint} Valid: {', '.join(valid)}")
 
 
-def _misplaced(half_width: Any, clearance: Any, misalignment: Any) -> Any:
-    """Return whether the part would start wholly beside the slot's edge (any shape)."""
-    return misalignment >= half_width * (2.0 + clearance)
+def _misplaced(values: Mapping[str, Any]) -> Any:
+    """Return whether a part of any shape would start wholly beside the slot, or left of it.
+
+    ``values`` are parameters by name: numbers or arrays. Either the mass centre or the middle of
+    the face must be in place.
+    """
+    x = values["misalignment"]
+    middle = x + values["half_height"] * np.sin(values["initial_tilt"])
+    beside = np.minimum(x, middle) >= values["half_width"] * (2.0 + values["clearance"])
+    return beside | (np.maximum(x, middle) < 0.0)
 
 
 _MISPLACED_RULE = (
-    "must be smaller than half_width * (2 + clearance): the part would start wholly beside the slot"
+    "must be smaller than half_width * (2 + clearance): the part would start wholly beside the "
+    "slot; and >= 0, or the tilt must bring the middle of the face, misalignment + half_height * "
+    "sin(initial_tilt), to where it is >= 0"
 )
 
 
@@ -61,7 +71,8 @@ class Parameters(Value):
     """One device, its excitation and its start; every value dimensionless (paper, sect. 2).
 
     ``None`` for ``rest_x`` and ``rest_y`` means that the suspension is relaxed at the start of the
-    part: at ``misalignment`` and ``half_height``.
+    part: at ``misalignment`` and ``half_height``. ``None`` for ``approach_speed`` means a sudden
+    start, without an approach.
 
     Raises:
         TypeError: a value that is not a real number.
@@ -74,7 +85,7 @@ class Parameters(Value):
         "δ", "joining clearance (l - a)/a", PLAIN, "> 0", measured=True, default=0.09
     )
     misalignment: float = entry(
-        "x(0)", "axial misalignment at the start", LENGTH, ">= 0", measured=True, default=0.2
+        "x(0)", "axial misalignment at the start", LENGTH, measured=True, default=0.2
     )
     initial_tilt: float = entry("φ(0)", "tilt at the start", ANGLE, default=0.001)
     inertia: float = entry("I_φ", "moment of inertia about the mass centre", INERTIA, "> 0")
@@ -112,12 +123,20 @@ class Parameters(Value):
         default=None,
     )
     rest_tilt: float = entry("φ_st", "tilt at which the tilt spring is relaxed", ANGLE, default=0.0)
+    approach_speed: float | None = entry(
+        "v",
+        "speed at which the holder is lowered until it presses",
+        SPEED,
+        "> 0",
+        optional=True,
+        default=None,
+    )
 
     def __post_init__(self) -> None:
         row = []
         for name, field in FIELDS.items():
             value = getattr(self, name)
-            if value is None and field.derived:
+            if value is None and (field.derived or field.optional):
                 row.append(math.nan)
                 continue
             if isinstance(value, bool) or not isinstance(value, (int, float, np.number)):
@@ -129,7 +148,7 @@ class Parameters(Value):
             row.append(number)
         # ``Batch.stack`` joins these bytes, which is faster than to read every attribute.
         object.__setattr__(self, "_row", _ROW.pack(*row))
-        if _misplaced(self.half_width, self.clearance, self.misalignment):
+        if _misplaced(self.given()):
             raise ValueError(f"misalignment = {self.misalignment!r}: {_MISPLACED_RULE}")
 
     @property
@@ -138,8 +157,9 @@ class Parameters(Value):
         return self.half_width * (1.0 + self.clearance)
 
     def given(self) -> dict[str, float | None]:
-        """Return every parameter by name, None where it is derived."""
-        return {name: getattr(self, name) for name in PARAMETER_NAMES}
+        """Return every parameter by name, None where it is derived, without optional ones."""
+        values = {name: getattr(self, name) for name in PARAMETER_NAMES}
+        return {n: v for n, v in values.items() if v is not None or not FIELDS[n].optional}
 
     def replace(self, **changes: float | None) -> "Parameters":
         """Return a copy with ``changes``; an unknown name raises ValueError with the valid ones."""
@@ -150,16 +170,19 @@ class Parameters(Value):
 
 FIELDS: Mapping[str, Field] = entries(Parameters)
 PARAMETER_NAMES: tuple[str, ...] = tuple(FIELDS)
+OF_PAPER = tuple(name for name, field in FIELDS.items() if not field.optional)
+"""The parameters of the paper's device, whose start is sudden."""
 # The parameters without a default.
 REQUIRED_NAMES = tuple(f.name for f in dataclasses.fields(Parameters) if f.default is MISSING)
 Parameters.__doc__ = described(Parameters.__doc__, FIELDS)
 _ROW = struct.Struct(f"{len(FIELDS)}d")
 
-# Kernels take the slot's half-width in place of the clearance.
-_RESOLVED = {"clearance": "slot_half_width"}
+# Kernels take the slot's half-width in place of the clearance, and the rate of the press.
+_RESOLVED = {"clearance": "slot_half_width", "approach_speed": "press_rate"}
 _BEYOND_REACH = 1e9  # depth of insertion, dimensionless
 _CONSTANTS = (
     *(_RESOLVED.get(name, name) for name in PARAMETER_NAMES),
+    "ramp_end",
     "insertion_depth",
     *(f"printed_{name}" for name in VARIANT_NAMES if name != "preload"),
 )
@@ -168,8 +191,10 @@ _CONSTANTS = (
 class Constants(numbers("Constants", _CONSTANTS)):  # type: ignore[misc]
     """Numbers that kernels compute with: defaults resolved, variants as 0.0 or 1.0.
 
-    Parameters keep their names, but ``slot_half_width`` replaces ``clearance``. Added are
-    ``insertion_depth``, from the settings, and ``printed_*``, from the fields of ``Variants``.
+    Parameters keep their names, but ``slot_half_width`` replaces ``clearance``, and ``press_rate``
+    ``approach_speed``: the press grows at this rate (K_Y = 1) until the time ``ramp_end``. Both are
+    0 for a sudden start; ``ramp_end`` is found as a run begins. Added are ``insertion_depth``, from
+    the settings, and ``printed_*``, from the fields of ``Variants``.
 
     Attributes:
         is_round: True for a round part in a round hole, False for a plane one. Code is compiled for
@@ -205,13 +230,16 @@ def _constant(name, given):
     """Return a constant by its name, of numbers or of arrays; the variants are consistent."""
     if name == "slot_half_width":
         return given.half_width * (1.0 + given.clearance)
+    if name == "press_rate":
+        speed = given.approach_speed
+        return np.where(np.isnan(speed), 0.0, speed)
     if name == "insertion_depth":
         rest_y = _constant("rest_y", given)
         depth = 0.5 * (given.press_force - (rest_y - given.half_height))
         depth = np.where(depth > 0.0, depth, 0.0)
         return np.where(depth < given.half_width, depth, given.half_width)
     if name not in FIELDS:
-        return 0.0  # a printed variant
+        return 0.0  # a printed variant, or the end of the ramp
     value = getattr(given, name)
     if name in _DERIVED:
         return np.where(np.isnan(value), getattr(given, _DERIVED[name]), value)
@@ -276,7 +304,7 @@ class Batch(Value):
                 raise ValueError(
                     f"{name}[{row}] = {float(columns[name][row])!r}: {FIELDS[name].rule}"
                 )
-        misplaced = _misplaced(columns["half_width"], columns["clearance"], columns["misalignment"])
+        misplaced = _misplaced(columns)
         if misplaced.any():
             row = int(np.argmax(misplaced))
             raise ValueError(

@@ -42,14 +42,13 @@ class Start(logging.Filter):
         self._workflow, self._root = workflow, root
         self._began = datetime.now(UTC)
         self._record: Record = {}
-        self._outcome, self._error = "interrupted", ""
+        self._outcome, self._error, self._looked = "interrupted", "", False
         logger.addFilter(self)
         atexit.register(self._end)
 
     def filter(self, record: logging.LogRecord) -> bool:
         """Follow Snakemake, which calls this at once; what is raised here stops it."""
         event, message = getattr(record, "event", None), record.getMessage()
-        nothing_to_do = message == NOTHING_TO_BE_DONE_MSG
         if event == LogEvent.ERROR:
             lines = (line.strip() for line in message.splitlines())
             self._outcome, self._error = "failed", "; ".join(filter(None, lines))
@@ -57,10 +56,8 @@ class Start(logging.Filter):
             pass
         elif event == LogEvent.WORKFLOW_STARTED:
             _refusing(self._begin)
-        elif event == LogEvent.RUN_INFO or nothing_to_do:
+        elif event == LogEvent.RUN_INFO or message == NOTHING_TO_BE_DONE_MSG:
             _refusing(self._look)
-        if nothing_to_do or (event == LogEvent.PROGRESS and record.done == record.total):  # type: ignore[attr-defined]
-            self._outcome = "done"
         return True
 
     def _begin(self) -> None:
@@ -99,6 +96,7 @@ class Start(logging.Filter):
         dag, touches = self._workflow.dag, self._workflow.touch
         kept = (job for job in dag.jobs if touches or not dag.needrun(job))
         look(self._kept(job) for job in kept if hasattr(job.output, "record"))
+        self._looked = True
 
     def _kept(self, job: Any) -> Kept:
         record = Path(job.output.record)
@@ -109,6 +107,8 @@ class Start(logging.Filter):
     def _end(self) -> None:
         """Record the end, and tell which runs failed; the process ends then."""
         logger.removeFilter(self)
+        if self._looked and not self._error and not [*self._workflow.dag.needrun_jobs()]:
+            self._outcome = "done"  # every job has finished
         if not self._record and (
             self._outcome != "failed" or self._workflow.output_settings.dryrun
         ):
