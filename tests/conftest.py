@@ -29,7 +29,10 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 # Files that take longest. The second begins while the study of the first is built.
-_FIRST = ["test_workflow", "test_in_browser", "test_nothing_lost", "test_reruns", "test_mutations"]
+_FIRST = [
+    "test_workflow", "test_in_browser", "test_nothing_lost", "test_record", "test_reruns",
+    "test_mutations",
+]  # fmt: skip
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
