@@ -15,16 +15,16 @@ from model.compile.cache import cache_folder
 from model.physics.parameters import FIELDS, PARAMETER_NAMES, Parameters, Shape, check_name
 from model.physics.quantities import LENGTH, TIME
 from model.physics.rest import Start
-from model.physics.units import UNITS, Units
+from model.physics.units import Units
 from model.physics.variants import VARIANT_NAMES, Variant, Variants
 from model.runs.settings import SCENES, Settings
 from vibralign.commands.tables import in_columns
 from vibralign.device import StatedDevice, load_device
 from vibralign.device.amounts import read_amount
-from vibralign.device.base import BASE, CENTRE, CENTRE_WORDS
-from vibralign.device.holder import RATIOS
+from vibralign.device.mouth import MOUTH
 from vibralign.device.paper import baseline
 from vibralign.device.spelling import plain
+from vibralign.device.stated import QUANTITIES, quantity_of, unit_of
 
 
 def add_model_options(
@@ -194,9 +194,7 @@ def parameter_table(device: Parameters) -> str:
         words = field.description + (f"; {rule}" if rule else "")
         rows.append((name, field.symbol, default, field.quantity.unit, words))
     lines = ["parameters that --set takes, each a finite number:", *in_columns(rows)]
-    units = [(name, each.quantity.unit, each.description) for name, each in UNITS.items()]
-    units += [(name, unit, words) for name, (words, unit) in BASE.items()]
-    units += [(name, "1", f"damping ratio, in place of {each}") for name, each in RATIOS.items()]
-    units.append((CENTRE, LENGTH.unit, CENTRE_WORDS))
-    lines += ["what a file for --device states besides:", *in_columns(units)]
+    others = [name for name in QUANTITIES if name not in FIELDS or name in MOUTH]
+    units = [(name, unit_of(name), quantity_of(name)[0]) for name in others]
+    lines += ["what a file for --device states besides, or otherwise:", *in_columns(units)]
     return "\n".join(lines) + "\n"

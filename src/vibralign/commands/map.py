@@ -35,7 +35,7 @@ from vibralign.commands.program import add_command
 from vibralign.commands.progress import ProgressLine
 from vibralign.device.amounts import read_amount, read_range
 from vibralign.device.spelling import ends_of, plain
-from vibralign.device.stated import QUANTITIES, StatedDevice, unit_of
+from vibralign.device.stated import StatedDevice, check_quantity, unit_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -156,7 +156,10 @@ def _axis(
     from vibralign.answers.maps import QuantityAxis  # noqa: PLC0415  (as in _map)
 
     name, *words = given
-    check_name(name, PARAMETER_NAMES if stated is None else QUANTITIES, "parameter")
+    if stated is None:
+        check_name(name, PARAMETER_NAMES, "parameter")
+    else:
+        check_quantity(name)
     what, text = f"{option} {name}", " ".join(words)
     ends = ends_of(plain(text)) or words
     if len(ends) != 2:

@@ -11,9 +11,11 @@ from typing import Any
 
 import numpy as np
 
+from model.engines.results import RESULTS, VALUE_TYPES
 from model.physics.parameters import Batch, Parameters
 from model.physics.quantities import LENGTH, TIME, Quantity
 from model.physics.tables import vars_of
+from model.physics.units import Units
 from model.runs import align as many
 from model.runs import simulate as single
 from model.runs.align import Alignments
@@ -21,6 +23,8 @@ from model.runs.engines import Engine
 from model.runs.settings import Settings, settings_with
 from model.runs.simulate import Trajectory
 from vibralign.device.amounts import read_amount
+from vibralign.device.batches import rows_of
+from vibralign.device.mouth import judged
 from vibralign.device.stated import QUANTITIES, StatedDevice, load_device
 
 Device = Parameters | StatedDevice
@@ -112,8 +116,17 @@ def simulate(parameters: AnyDevice, settings: Settings | None = None, **changes:
         ValueError: a setting that is unknown or out of range, or a file that states no device.
     """
     device = device_of(parameters)
-    run = single.simulate(*as_run(device, settings, changes))
-    return run if isinstance(device, Parameters) else replace(run, units=device.units)
+    own, settings = as_run(device, settings, changes)
+    run = single.simulate(own, settings)
+    return run if isinstance(device, Parameters) else of_device(run, device.units)
+
+
+def of_device(run: Trajectory, units: Units) -> Trajectory:
+    """Return the run of a device in SI units, with its units and what ``judged`` says of it."""
+    results = {name: np.asarray(getattr(run, name)) for name in RESULTS}
+    found = judged(results, vars_of(run.parameters))
+    values = {name: VALUE_TYPES[name].scalar(each) for name, each in found.items()}
+    return replace(run, units=units, **values)
 
 
 def align(
@@ -157,4 +170,8 @@ def align(
         part = many.align([runs[row][0] for row in some], own, cores=cores, engine=engine)
         for name, column in vars_of(part).items():
             found.setdefault(name, np.empty(len(runs), column.dtype))[some] = column
+    stated = np.flatnonzero([isinstance(each, StatedDevice) for each in devices])
+    batch = rows_of(Batch.stack([each for each, _ in runs]), stated)
+    for name, column in judged({n: v[stated] for n, v in found.items()}, batch.values).items():
+        found[name][stated] = column
     return Alignments(**found)

@@ -28,6 +28,7 @@ from model.physics.units import UNITS, Units
 from model.runs.settings import Settings
 from vibralign.answers.forces import until
 from vibralign.answers.si import display, scale
+from vibralign.device.mouth import MOUTH, at_mouth
 from vibralign.plots.words import symbol_parts
 
 FIRST = ("friction", "press_force", "tilt_stiffness", "frequency")  # sliders at the top
@@ -90,10 +91,10 @@ def _shown(units: Units | None, quantity: Quantity, value: float = 0.0) -> dict[
 
 
 def _values(units: Units | None, parameters: Parameters) -> dict[str, float | None]:
-    """Return the parameters in the page's units, after the units themselves."""
+    """Return the parameters, or after the units of a device its quantities in SI units."""
     if units is None:
         return parameters.given()
-    return vars(units) | units.in_si(parameters).given()
+    return vars(units) | at_mouth(units.in_si(parameters).given())
 
 
 # The options that a device's page was made with; the commands that it copies repeat them.
@@ -218,7 +219,7 @@ def described(
     """
     values, rows = _values(units, device), []
     for name in sorted(values, key=lambda each: (each in UNITS, each not in first)):
-        field = (FIELDS | UNITS)[name]  # type: ignore[operator]
+        field = MOUTH[name] if units and name in MOUTH else (FIELDS | UNITS)[name]  # type: ignore[operator]
         letter, index = symbol_parts(field.symbol)
         least, most = axes.get(name) or _range(name, field, values, scale(units, field.quantity))
         rows.append(

@@ -103,6 +103,22 @@ function drawBase(g, place, slot, [left, top, width, height]) {
   g.setLineDash([]);
 }
 
+/** Mark the misalignment: the distance of the axes at the mouth of the slot. @param {CanvasRenderingContext2D} g @param {Place} place @param {any} pose @param {any} device */
+function drawMisalignment(g, place, pose, device) {
+  const [s, c] = [Math.sin(pose.tilt), Math.cos(pose.tilt)], b = device.half_height;
+  const middle = pose.x + b * s, [, y] = place(0, -0.25 * device.half_width);
+  const [from, to] = [place(0, 0)[0], place(middle, 0)[0]];
+  g.strokeStyle = g.fillStyle = COLOURS.faint;
+  g.lineWidth = 0.75;
+  g.setLineDash([6, 3, 1, 3]);
+  line(g, place(pose.x - b * s, pose.y + b * c), place(middle + 0.1 * b * s, pose.y - 1.1 * b * c));
+  g.setLineDash([]);
+  line(g, [from, y], [to, y]);
+  for (const end of [from, to]) line(g, [end, y - 4], [end, y + 4]);
+  g.font = "12px system-ui, sans-serif";
+  g.fillText("misalignment", Math.max(from, to) + 6, y + 4);
+}
+
 /** Draw the contact forces of a frame as arrows. @param {CanvasRenderingContext2D} g @param {Place} place @param {Frame} frame @param {any} device @param {any} pose @param {number} scale */
 function drawForces(g, place, frame, device, pose, scale) {
   const [s, c] = [Math.sin(pose.tilt), Math.cos(pose.tilt)];
@@ -177,7 +193,10 @@ function drawScene(g, width, height, frame, device, options) {
       g.beginPath();
       g.arc(...place(pose.x, pose.y), 3, 0, 7);
       g.fill();
-    } else drawForces(g, place, frame, device, pose, push);
+    } else {
+      drawForces(g, place, frame, device, pose, push);
+      if (!frame.mode_dropped) drawMisalignment(g, place, pose, device);
+    }
     g.restore();
   }
   g.strokeStyle = COLOURS.faint;

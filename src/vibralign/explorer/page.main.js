@@ -24,11 +24,17 @@ const measured = { map: 0 };
 
 // ---------------------------------------------------------------- running
 
-/** Return a parameter as the engines take it, dimensionless. @param {string} name @param {Record<string, number>} values */
-const converted = (name, values) => values[name] / scaleOf(parameters[name], values);
+/** Return a parameter as the engines take it, dimensionless; one that is not shown is an angle, or not given. @param {string} name @param {Record<string, number>} values those of ``startOf`` */
+const converted = (name, values) => values[name] / (parameters[name] ? scaleOf(parameters[name], values) : 1);
+
+/** Return the values as the engines take them, by name. @param {Record<string, number>} values @returns {[string, number][]} */
+function given(values) {
+  const start = startOf(values);
+  return MODEL.interface.parameters.map((/** @type {string} */ name) => [name, converted(name, start)]);
+}
 
 /** Return a set as the engines take it. @param {Record<string, number>} values @returns {number[]} */
-const setOf = (values) => MODEL.interface.parameters.map((/** @type {string} */ name) => converted(name, values));
+const setOf = (values) => given(values).map(([, value]) => value);
 
 /** Return the control of a run; a horizon in seconds is the same for all units. @param {Record<string, number>} values @returns {Record<string, number>} */
 function controlOf(values) {
@@ -38,7 +44,7 @@ function controlOf(values) {
 
 /** Return all values, dimensionless, as the drawing takes them. @param {Record<string, number>} values */
 function drawnDevice(values) {
-  const device = Object.fromEntries(MODEL.interface.parameters.map((/** @type {string} */ name) => [name, converted(name, values)]));
+  const device = /** @type {any} */ (Object.fromEntries(given(values)));
   return { ...device, slot_half_width: device.half_width * (1 + device.clearance), force_shown: 1 };
 }
 
@@ -242,6 +248,7 @@ async function start() {
   element("unscripted").remove();
   element("gradient").style.background = `linear-gradient(90deg, ${CIVIDIS.map((each) => `rgb(${each.join(",")})`).join(", ")})`;
   makeControls();
+  element("save").hidden = !MODEL.units;
   listen();
   writeControls();
   const about = MODEL.interface;

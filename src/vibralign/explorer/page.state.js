@@ -8,11 +8,19 @@
 /** Return the message on values that do not go together, else "". @param {Record<string, number>} values @param {boolean} isDevice */
 function misplaced(values, isDevice) {
   const { misalignment, half_width: width, clearance, press_force: force } = values;
-  const play = clearance * width, unit = isDevice ? " m" : "";
-  if (misalignment >= width * (2 + clearance)) return `misalignment = ${shown(misalignment)}${unit}: the part would start wholly beside the slot`;
-  if (isDevice && !(force > 0)) return `press_force = ${shown(force)} N: must be > 0, or nothing presses the part`;
-  if (isDevice && !(misalignment > play)) return `misalignment = ${shown(misalignment)} m: already inside at the start, misalignment <= clearance * half_width = ${shown(play)} m`;
+  if (!isDevice) return misalignment >= width * (2 + clearance) ? `misalignment = ${shown(misalignment)}: the part would start wholly beside the slot` : "";
+  const half = width * Math.cos(values.gripper_tilt), play = width * (1 + clearance) - half;
+  if (misalignment >= play + 2 * half) return `misalignment = ${shown(misalignment)} m: the part touches down wholly beside the hole`;
+  if (!(force > 0)) return `press_force = ${shown(force)} N: must be > 0, or nothing presses the part`;
+  if (!(misalignment > play)) return `misalignment = ${shown(misalignment)} m: already inside at the start: needs no alignment, misalignment <= clearance * half_width = ${shown(play)} m`;
   return "";
+}
+
+/** Return a device's values with its start as the engines take it (mouth.py): the mass centre is over the middle of the face, and the springs are relaxed there. @param {Record<string, number>} values @returns {Record<string, number>} */
+function startOf(values) {
+  const { misalignment, half_height: height, gripper_tilt: tilt } = values;
+  if (tilt === undefined) return values;
+  return { ...values, misalignment: misalignment - height * Math.sin(tilt), initial_tilt: tilt, rest_tilt: tilt, rest_x: NaN, rest_y: NaN };
 }
 
 /** Return the state that an address asks for, and what of the address is ignored, in words. @param {string} hash @param {any} model @returns {{state: State, ignored: string[]}} */
@@ -88,17 +96,15 @@ function commandOf(state, model) {
   return ["vibralign simulate --scene insertion", ...options, ...Object.values(stated)].join(" ");
 }
 
-/** Return a state's device file. @param {State} state @param {any} model */
+/** Return the file of a device in SI units. @param {State} state @param {any} model */
 function deviceOf(state, model) {
   const lines = ["# Saved from the explorer; for vibralign simulate, assess and map --device."];
-  const values = model.units ? state.values : { mass: 1, axial_stiffness: 1, amplitude: 1, ...state.values };
-  if (!model.units) lines.push("# The device has no units: mass, axial stiffness and amplitude are 1, so that its other numbers are dimensionless,", "# except the frequency, which is in Hz.");
   lines.push(`shape: ${model.interface.shape}`);
   const quantities = byName(model.parameters);
-  for (const [name, value] of Object.entries(values)) {
+  for (const [name, value] of Object.entries(state.values)) {
     if (Number.isNaN(value)) continue;
-    const { one = 1, unit = "", powers = [0, 0, 0, 1] } = quantities[name] ?? {};
-    lines.push(model.units ? `${name}: ${inOne(value, 1 / one)} ${unit}`.trimEnd() : `${name}: ${value * powers[3]}`);
+    const { one, unit } = quantities[name];
+    lines.push(`${name}: ${inOne(value, 1 / one)} ${unit}`.trimEnd());
   }
   return `${lines.join("\n")}\n`;
 }
