@@ -327,7 +327,9 @@ def _if_square(
         return None
     square = replace(device, stated_shape="square")
     settings = replace(settings, shape="square")
-    starts = [each for each in cases_of(square, ensemble) if math.isnan(each.get("level", math.nan))]
+    starts = [
+        each for each in cases_of(square, ensemble) if math.isnan(each.get("level", math.nan))
+    ]
     own = {"friction": np.array([square.quantities["friction"]])}
     results, _ = from_every_start(square, own, starts, settings, cores)
     return _successes(results["goes_in"][0], results["tau_align"][0])
@@ -352,7 +354,8 @@ def _on_each_base(
     if isinstance(device, Parameters) or OF_BASE[0] not in cases[0]:
         return ()
     one = Batch.stack([device.parameters])
-    stiffness = on_bases(one, [device.units], cases, device.shape)["contact_stiffness"][0]
+    found = on_bases(one, [device.units], cases, device.shape, device.fixture)
+    stiffness = found["contact_stiffness"][0]
     keys = [tuple(str(case[name]) for name in OF_BASE) for case in cases]
     verdicts = []
     for key in dict.fromkeys(keys):

@@ -102,7 +102,8 @@ def from_every_start(
     devices, units = devices_of(device, values)
     if isinstance(device, Parameters):
         return every_start(devices, starts, settings, cores), units
-    of_cases = on_bases(devices, units, starts, device.shape) | at_tilts(devices, starts)
+    fixture = values.get("fixture_stiffness", device.fixture)
+    of_cases = on_bases(devices, units, starts, device.shape, fixture) | at_tilts(devices, starts)
     results = dict[str, NDArray[Any]]()
     for own, rows in by_settings(device, settings, units).items():
         others = {name: column[rows] for name, column in of_cases.items()}

@@ -56,12 +56,10 @@ def play_of(fit: object, diameter: float) -> tuple[float, float]:
     if not 0.0 < diameter <= 1e-3 * _UP_TO[-1]:
         raise ValueError(f"fit = {fit!r}: needs a diameter up to 50 mm; else state play")
     size = bisect.bisect_left(_UP_TO, round(1e3 * diameter, 9))
-    limits = {}
-    for each in classes:
-        found = each and _limits(each[1], int(each[2]), size)
-        if not found:
-            raise ValueError(f"fit = {fit!r}: {_RULE}")
-        limits["hole" if each[1].isupper() else "part"] = found
+    limits = dict[str, tuple[float, float]]()
+    for each in filter(None, classes):
+        if found := _limits(each[1], int(each[2]), size):
+            limits["hole" if each[1].isupper() else "part"] = found
     if len(limits) != 2:
         raise ValueError(f"fit = {fit!r}: {_RULE}")
     hole, part = limits["hole"], limits["part"]

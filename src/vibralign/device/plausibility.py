@@ -37,6 +37,7 @@ _SLENDERNESS = 0.02, 10.0  # half_width over half_height
 _PLATE = 1e-3, 1.0  # thickness of a plate over its radius
 _SOFTEST = 10.0  # contact stiffness over axial stiffness
 # Natural frequency over the axial one.
+_NEAR_RESONANCE = 0.1  # relative distance of the excitation from a natural frequency
 _FREQUENCIES = {"lateral": (0.033, 3.3), "tilt": (0.1, 8.0)}
 
 
@@ -46,6 +47,10 @@ class DeviceError(ValueError):
 
 class NoNeedError(DeviceError):
     """A device that needs no alignment: the face of the part starts within the hole."""
+
+
+class DoubtWarning(UserWarning):
+    """A value of a device that is possible but probably not meant, or an answer to distrust."""
 
 
 def check_press(force: float) -> None:
@@ -195,14 +200,12 @@ def _excitation(given: Mapping[str, float], device: Device) -> Iterator[str]:
 def _stiffnesses(given: Mapping[str, float], device: Device) -> Iterator[str]:
     natural = natural_frequencies(device.parameters)
     resonance = 1.0 / (math.tau * device.units.time)
-    for direction, span in _FREQUENCIES.items():
-        if natural[direction] and _outside(natural[direction], span):
-            name = f"{direction}_stiffness"
-            yield (
-                f"{name} = {given[name]:.4g} {FIELDS[name].quantity.unit} gives a natural "
-                f"frequency of {natural[direction] * resonance:.3g} Hz, the axial one is "
-                f"{resonance:.3g} Hz"
-            )
+    for direction, ratio in natural.items():
+        own = f"the holder's natural frequency, {direction}, of {ratio * resonance:.3g} Hz"
+        if ratio and abs(device.parameters.frequency / ratio - 1.0) <= _NEAR_RESONANCE:
+            yield f"frequency = {given['frequency']:.4g} Hz is within a tenth of {own}: resonance"
+        if ratio and _outside(ratio, _FREQUENCIES.get(direction, (1.0, 1.0))):
+            yield f"{own}, does not go with the axial one of {resonance:.3g} Hz"
 
 
 def _dampings(given: Mapping[str, float], _device: Device) -> Iterator[str]:

@@ -1,5 +1,6 @@
 """Devices in SI units, read from YAML files: quantities, tolerances, base, free ranges, limits."""
 
+import difflib
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
@@ -11,15 +12,17 @@ import yaml
 
 from model.physics.fields import Bound
 from model.physics.parameters import FIELDS, Parameters, Shape, check_name
-from model.physics.quantities import LENGTH, PLAIN, Quantity
+from model.physics.quantities import Quantity
 from model.physics.rest import Start
 from model.physics.tables import Value, vars_of
 from model.physics.units import UNITS, Device, Units, device
 from model.runs.settings import Settings
 from model.sweeps import files
-from vibralign.device.amounts import Tolerance, read_amount, read_range
-from vibralign.device.base import BASE, CENTRE, CENTRE_WORDS, SOURCES, pair_of, with_base
-from vibralign.device.holder import RATIOS, with_damping
+from vibralign.device.amounts import Amount, Tolerance, read_amount, read_range
+from vibralign.device.base import BASE, pair_of, with_base
+from vibralign.device.fits import play_of
+from vibralign.device.instead import INSTEAD, replaced_by, with_parameters
+from vibralign.device.limits import OF_VIBRATOR, of_vibrator, read_limits
 from vibralign.device.mouth import (
     GRIPPER_TILT,
     MOUTH,
@@ -35,17 +38,9 @@ from vibralign.device.plausibility import (
     doubts,
 )
 
-# Upper limits that a design may have to keep: meaning and SI unit.
-LIMITS: Mapping[str, tuple[str, str]] = {
-    "contact_force": ("largest contact force", "N"),
-    "time": ("longest time until alignment, not until insertion", "s"),
-    "tilt": ("largest tilt until alignment", "rad"),
-}
-# Limit "vibration" of a design: the share of devices that must not align without vibration.
-VIBRATION: Mapping[str, float] = {"needed": 1.0, "not needed": 0.0}
 _OWN = {**{n: each for n, each in FIELDS.items() if n not in REPLACED}, **UNITS, **MOUTH}
-QUANTITIES = (*UNITS, *(n for n in _OWN if n not in UNITS), *RATIOS, *BASE, CENTRE)
-_BESIDES = ("materials", "free", "limits", "start", "shape")
+QUANTITIES = (*UNITS, *(n for n in _OWN if n not in UNITS), *INSTEAD, *BASE)
+_BESIDES = ("materials", "fit", "free", "limits", "start", "shape")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -66,6 +61,8 @@ class StatedDevice(Value):
         horizon: latest time of its runs in s, or None for that of the settings in units of 1/p.
         insertion_depth: depth in m at which it counts as inserted, or None for the default.
         notes: lines on words of the file that ``changes`` may have made mean something else.
+        written: the unit in which a quantity is stated, such as "mm p-p", and its size in SI units;
+            of those that are stated with one.
     """
 
     source: Path
@@ -80,6 +77,7 @@ class StatedDevice(Value):
     horizon: float | None = None
     insertion_depth: float | None = None
     notes: tuple[str, ...] = ()
+    written: Mapping[str, tuple[str, float]] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         changes = "".join(f", {name}={value}" for name, value in self.changes.items())
@@ -146,11 +144,11 @@ class StatedDevice(Value):
 
     def resolved(self, changes: Mapping[str, float]) -> dict[str, float]:
         """Return the quantities (SI units) with ``changes``, and parameters computed from them."""
-        replaced = _replaced_by(changes)
+        replaced = replaced_by(changes)
         kept = {name: v for name, v in self.quantities.items() if name not in replaced}
         stated = None if "materials" in replaced else self.materials
         pair = None if stated is None else pair_of(stated)
-        parameters = as_parameters(_of_holder_and_part({**kept, **changes}))
+        parameters = as_parameters(with_parameters({**kept, **changes}))
         return with_base(parameters, pair, self.shape)
 
     def changed(self, **changes: float | str) -> "StatedDevice":
@@ -165,16 +163,15 @@ class StatedDevice(Value):
         """
         for name in changes:
             check_quantity(name)
-        values, tolerances = _amounts(changes, self.quantities.get("frequency"))
-        replaced = _replaced_by(changes)
-        return replace(
-            self,
-            quantities={n: v for n, v in self.quantities.items() if n not in replaced} | values,
-            tolerances={n: each for n, each in self.tolerances.items() if n not in replaced}
-            | tolerances,
-            materials=None if "materials" in replaced else self.materials,
-            changes={**self.changes, **changes},
-        )
+        changed = _by_quantity(_amounts(changes, self.quantities.get("frequency")))
+        replaced = replaced_by(changes)
+        merged: dict[str, Any] = {
+            part: {n: v for n, v in getattr(self, part).items() if n not in replaced} | values
+            for part, values in changed.items()
+        }
+        materials = None if "materials" in replaced else self.materials
+        all_changes: dict[str, object] = {**self.changes, **changes}
+        return replace(self, **merged, materials=materials, changes=all_changes)
 
     def run_settings(self, settings: Settings, units: Units) -> Settings:
         """Return ``settings`` with what is stated for runs; ``units`` are those of the device.
@@ -197,39 +194,24 @@ class StatedDevice(Value):
         return self.materials is not None or "contact_stiffness" in self.quantities
 
     @property
+    def fixture(self) -> float:
+        """Stiffness in N/m in series with the base; infinite where none is stated."""
+        return self.quantities.get("fixture_stiffness", math.inf)
+
+    @property
     def doubts(self) -> list[str]:
         """Lines on values that are possible but probably not meant."""
-        cut_off = [
-            f"{name} = {self.quantities[name]:.4g} ± {each.around(self.quantities[name]):.4g}: the "
-            "tolerance reaches below 0, where it is cut off"
-            for name, each in self.tolerances.items()
-            if each.kind == "uniform"
-            and each.around(self.quantities[name]) > abs(self.quantities[name])
-            and bound_of(name)
-        ]
-        found = doubts(self.values | self.quantities, self.device, self.shape)
+        found = doubts({**self.values, **self.quantities}, self.device, self.shape)
+        drive = of_vibrator(self.units.amplitude, self.quantities["frequency"])
+        for name in OF_VIBRATOR & self.limits.keys():
+            if drive[name] > self.limits[name]:
+                found.append(f"the vibration exceeds the vibrator's limit of {name}")
         if self.stated_shape is None:
             found.append(
                 "shape is not stated: taken as round, a peg in a round hole; state shape: round, "
                 "or shape: square for a plane part beside a slot"
             )
-        return [*self.notes, *found, *cut_off]
-
-
-def _of_holder_and_part(quantities: Mapping[str, float]) -> dict[str, float]:
-    """Return quantities with dampings in place of ratios, and half_height of centre_height."""
-    found = with_damping(quantities)
-    if CENTRE in found:
-        found["half_height"] = found.pop(CENTRE)
-    return found
-
-
-def _replaced_by(changes: Iterable[str]) -> set[str]:
-    """Return the quantities from which those in ``changes`` would be computed."""
-    from_others = {
-        n: (*SOURCES.get(n, ()), *((RATIOS[n],) if n in RATIOS else ())) for n in changes
-    }
-    return {each for others in from_others.values() for each in others} - set(changes)
+        return [*self.notes, *found]
 
 
 def load_device(path: Path | str, changes: Mapping[str, object] | None = None) -> StatedDevice:
@@ -247,37 +229,37 @@ def load_device(path: Path | str, changes: Mapping[str, object] | None = None) -
         NoNeedError: it is a valid device, which needs no alignment.
     """
     path, changes = Path(path), {} if changes is None else changes
-    replaced = _replaced_by(changes)
+    replaced = replaced_by(changes)
     mapping = {name: value for name, value in _mapping(path).items() if name not in replaced}
     try:
-        at = _one_frequency(mapping)
-        values, tolerances = _amounts(mapping, at)
-        changed, others = _amounts(changes, _one_frequency({**mapping, **changes}))
-        materials = changes.get("materials", mapping.get("materials"))
+        at, now = _one_frequency(mapping), {**mapping, **changes}
+        amounts = _amounts(mapping, at, _diameter(now))
+        others = _amounts(changes, _one_frequency(now), _diameter(now))
+        parts, changed = _by_quantity(amounts), _by_quantity(others)
+        both: dict[str, Any] = {part: each | changed[part] for part, each in parts.items()}
         stated = StatedDevice(
             source=path,
-            quantities={**values, **changed},
-            tolerances={**tolerances, **others},
-            materials=None if materials is None else str(materials),
+            **both,
+            materials=None if now.get("materials") is None else _text("materials", now),
             free={n: read_range(n, v, unit_of(n), at) for n, v in _section("free", mapping)},
-            limits=_limits(mapping),
+            limits=read_limits(_section("limits", mapping)),
             changes=dict(changes),
             start=mapping.get("start"),
             stated_shape=mapping.get("shape"),
-            notes=_kept_amplitude(mapping, values, changes),
+            notes=_kept_amplitude(mapping, parts["quantities"], changes),
         )
         for name, kind in (("start", Start), ("shape", Shape)):
             if mapping.get(name) is not None:
                 check_name(str(mapping[name]), get_args(kind), name)
         # Refuses unknown and missing quantities, before anything is computed from them.
         known = {n: v for n, v in stated.quantities.items() if n not in BASE}
-        device(as_parameters(_of_holder_and_part(known)))
+        device(as_parameters(with_parameters(known)))
         stated.admitted({})
         _check_tolerances(stated)
         _check_free(stated)
     except ValueError as error:
-        kind = NoNeedError if isinstance(error, NoNeedError) else DeviceError
-        raise kind(f"{path}: {error}") from None
+        refusal = NoNeedError if isinstance(error, NoNeedError) else DeviceError
+        raise refusal(f"{path}: {error}") from None
     return stated
 
 
@@ -299,21 +281,27 @@ def quantity_of(name: str) -> tuple[str, Quantity, str]:
     check_quantity(name)
     if name in _OWN:
         return _OWN[name].description, _OWN[name].quantity, _OWN[name].symbol
-    if name in RATIOS:
-        return f"damping ratio, in place of {RATIOS[name]}", PLAIN, ""
-    words, unit = BASE.get(name, (CENTRE_WORDS, LENGTH.unit))
-    return words, LENGTH if unit == LENGTH.unit else PLAIN, ""
+    if name in INSTEAD:
+        each = INSTEAD[name]
+        return f"{each.description}, in place of {each.parameter}", each.quantity, ""
+    return *BASE[name], ""
 
 
 def bound_of(name: str) -> Bound:
     """Return the admissible range of a quantity of a device."""
-    return _OWN[name].bound if name in _OWN else "> 0"
+    return (_OWN | INSTEAD)[name].bound if name not in BASE else "> 0"  # type: ignore[operator]
 
 
 def check_quantity(name: str) -> None:
     """Refuse a name that is no quantity of a device; of an old one, say what to write instead."""
     check_not_replaced(name)
-    check_name(name, QUANTITIES, "quantity of a device")
+    if name not in QUANTITIES:
+        near = difflib.get_close_matches(name, QUANTITIES, n=1)
+        hint = f"Did you mean {near[0]!r}? " if near else ""
+        raise ValueError(
+            f"unknown quantity of a device {name!r}. {hint}`vibralign new FILE` writes a file with "
+            "those that a device has, `vibralign simulate --help` lists all"
+        )
 
 
 class _Loader(files.Loader):  # type: ignore[misc]
@@ -361,16 +349,47 @@ def _one_frequency(mapping: Mapping[str, Any]) -> float | None:
 
 
 def _amounts(
-    given: Mapping[str, object], frequency: float | None
-) -> tuple[dict[str, float], dict[str, Tolerance]]:
-    """Return values and tolerances of what is ``given`` besides ``_BESIDES``, in SI units."""
+    given: Mapping[str, object], frequency: float | None, diameter: float | None = None
+) -> dict[str, Amount]:
+    """Return the amounts of what is ``given`` besides ``_BESIDES``; the play of a fit, too."""
     amounts = {
         name: read_amount(name, value, unit_of(name), frequency)
         for name, value in given.items()
         if name not in _BESIDES
     }
-    tolerances = {n: each.tolerance for n, each in amounts.items() if each.tolerance is not None}
-    return {name: each.value for name, each in amounts.items()}, tolerances
+    if given.get("fit") is not None:
+        low, high = play_of(given["fit"], diameter or 0.0)
+        if low + high <= 0.0:
+            raise ValueError(
+                f"fit = {given['fit']!r}: has a play of {1e6 * low:.3g} to {1e6 * high:.3g} µm, an "
+                "interference or none for half of the pairs: it is not modelled"
+            )
+        half = Tolerance("uniform", 0.5 * (high - low))
+        amounts["play"] = Amount(0.5 * (low + high), half, "mm", 1e-3)
+    return amounts
+
+
+def _by_quantity(amounts: Mapping[str, Amount]) -> dict[str, dict[str, Any]]:
+    """Return values, tolerances and units of amounts, as ``StatedDevice`` has them."""
+    return {
+        "quantities": {name: each.value for name, each in amounts.items()},
+        "tolerances": {n: each.tolerance for n, each in amounts.items() if each.tolerance},
+        "written": {n: (each.unit, each.one) for n, each in amounts.items() if each.unit},
+    }
+
+
+def _diameter(given: Mapping[str, object]) -> float | None:
+    """Return the stated diameter in m, None without."""
+    for name, times in (("diameter", 1.0), ("half_width", 2.0)):
+        if given.get(name) is not None:
+            return times * read_amount(name, given[name], "m").value
+    return None
+
+
+def _text(name: str, given: Mapping[str, Any]) -> str:
+    if not isinstance(given[name], str):
+        raise ValueError(f"{name} = {given[name]!r}: must be a text")  # noqa: TRY004  (of a file)
+    return given[name]
 
 
 def _section(name: str, mapping: Mapping[str, Any]) -> Iterable[tuple[str, object]]:
@@ -378,23 +397,6 @@ def _section(name: str, mapping: Mapping[str, Any]) -> Iterable[tuple[str, objec
     if not isinstance(given, dict):
         raise ValueError(f"{name} = {given!r}: must be lines of NAME: VALUE")  # noqa: TRY004
     return [(str(key), value) for key, value in given.items()]
-
-
-def _limits(mapping: Mapping[str, Any]) -> dict[str, float]:
-    limits = {}
-    for name, value in _section("limits", mapping):
-        check_name(name, (*LIMITS, "vibration"), "limit of a design")
-        if name == "vibration":
-            if value not in VIBRATION:
-                words = " or ".join(VIBRATION)
-                raise ValueError(f"limits: vibration = {value!r}: must be {words}")
-            limits[name] = VIBRATION[str(value)]
-            continue
-        limits[name] = read_amount(name, value, LIMITS[name][1]).value
-        if not 0.0 < limits[name] < math.inf:
-            rule = f"must be a finite number > 0, the {LIMITS[name][0]}"
-            raise ValueError(f"limits: {name} = {value!r}: {rule}")
-    return limits
 
 
 def _check_tolerances(stated: StatedDevice) -> None:
