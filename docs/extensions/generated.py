@@ -18,14 +18,15 @@ from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
 from benchmarks.report.checks import CHECKS, HEAD
-from model.engines.results import IN_SLOT, RESULTS, TRACK_VARIABLES, UNVIBRATED_CONTROL, Result
+from model.engine.results import IN_SLOT, RESULTS, TRACK_VARIABLES, UNVIBRATED_CONTROL, Result
 from model.events.outcomes import OUTCOME_TEXT, REASON_TEXT, Outcome, Reason, remedy
 from model.events.table import EVENTS
 from model.physics.parameters import FIELDS, Parameters
 from model.physics.units import UNITS
 from model.sweeps.io import unit_in_file
+from study import __main__ as of_study
 from study.config import Study
-from vibralign.commands.main import _parser
+from vibralign.commands import main as of_tool
 
 
 def _table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
@@ -99,11 +100,12 @@ def _help_of(parser: argparse.ArgumentParser) -> str:
 
 def _commands() -> str:
     os.environ["COLUMNS"] = "84"
-    parser = _parser()
-    [commands] = (
-        action for action in parser._actions if isinstance(action, argparse._SubParsersAction)
-    )
-    pages = [("vibralign", parser), *((f"vibralign {n}", p) for n, p in commands.choices.items())]
+    pages: list[tuple[str, argparse.ArgumentParser]] = []
+    for parser in (of_tool.parser(), of_study.parser()):
+        [commands] = (
+            action for action in parser._actions if isinstance(action, argparse._SubParsersAction)
+        )
+        pages += [(parser.prog, parser), *((each.prog, each) for each in commands.choices.values())]
     return "\n\n".join(f"## `{name}`\n\n```text\n{_help_of(page)}\n```" for name, page in pages)
 
 

@@ -16,13 +16,13 @@ _REPOSITORY = Path(__file__).parents[2]
 
 
 def source_of(name: str) -> tuple[Path, str]:
-    """Return file, relative to the repository, and source of a function or class below `model`.
+    """Return file, relative to the repository, and source of a function or class of the packages.
 
     Raises:
         LookupError: no such file, or no such definition in it.
     """
     module, _, function = name.rpartition(".")
-    path = _REPOSITORY / "src" / "model" / (module.replace(".", "/") + ".py")
+    path = _REPOSITORY / "src" / (module.replace(".", "/") + ".py")
     if not path.is_file():
         raise LookupError(f"{name}: no file {path.relative_to(_REPOSITORY)}")
     text = path.read_text(encoding="utf-8")

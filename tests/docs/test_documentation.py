@@ -31,7 +31,7 @@ def test_every_function_that_the_theory_names_exists():
     for page, text in {**text_of(DOCS), **text_of(DOCS / "theory")}.items():
         for name in "".join(HELD_BY.findall(text)).split():
             module, _, function = name.rpartition(".")
-            path = REPOSITORY / "src" / "model" / f"{module.replace('.', '/')}.py"
+            path = REPOSITORY / "src" / f"{module.replace('.', '/')}.py"
             assert path.is_file(), f"{page}: {name}"
             assert function in definitions(path), f"{page}: {name}"
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from study import __main__ as of_study
 from study.config import FIGURES
 from vibralign.answers import leeways
 from vibralign.commands import main as cli
@@ -18,10 +19,11 @@ PAGES = [
 ]
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 COMMAND = re.compile(
-    r"^(?: {4}|\$ )(?:\w+=\S+ )*(vibralign|make|snakemake)\b([^#\n]*)", re.MULTILINE
+    r"^(?: {4}|\$ )(?:\w+=\S+ )*(vibralign|python -m study|make|snakemake)\b([^#\n]*)", re.MULTILINE
 )
 
-INLINE = re.compile(r"`(vibralign|make) ([^`\n]*)`")
+INLINE = re.compile(r"`(vibralign|python -m study|make) ([^`\n]*)`")
+PARSERS = {"vibralign": cli.parser(), "python -m study": of_study.parser()}
 
 
 def name_of(path: Path) -> str:
@@ -107,15 +109,16 @@ def check_make(words: list[str]) -> None:
 @pytest.mark.parametrize("page", PAGES, ids=name_of)
 def test_commands_exist(page):
     text = page.read_text(encoding="utf-8")
-    [commands] = (each for each in cli._parser()._actions if each.metavar == "command")
     for program, rest in COMMAND.findall(text) + INLINE.findall(text):
         if program == "make":
             check_make(shlex.split(rest))
-    for rest in (rest for program, rest in COMMAND.findall(text) if program == "vibralign"):
-        words = [word for word in shlex.split(rest) if word != "--help"]
-        cli._parser().parse_args(words)  # else SystemExit
-    for rest in (rest for program, rest in INLINE.findall(text) if program == "vibralign"):
+    for program, rest in COMMAND.findall(text):
+        if program in PARSERS:
+            words = [word for word in shlex.split(rest) if word != "--help"]
+            PARSERS[program].parse_args(words)  # else SystemExit
+    for program, rest in INLINE.findall(text):
         words = shlex.split(rest)
-        if not words[0].startswith("-"):
+        if program in PARSERS and not words[0].startswith("-"):
+            [commands] = (each for each in PARSERS[program]._actions if each.metavar == "command")
             options = set(commands.choices[words[0]]._option_string_actions)
             assert {word for word in words if word.startswith("--")} <= options, rest

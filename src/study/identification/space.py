@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from model.engines.results import RESULTS, UNVIBRATED_CONTROL
+from model.engine.results import RESULTS, UNVIBRATED_CONTROL
 from model.sweeps.axes import Axis, Family, Plan
 from model.sweeps.settings import RunSettings
 from model.sweeps.sweep import Sweep

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import AfterValidator
 
-from model.engines.results import RESULTS, UNVIBRATED_CONTROL
+from model.engine.results import RESULTS, UNVIBRATED_CONTROL
 from model.physics.parameters import Batch, Parameters
 from model.physics.quantities import ANGLE, PLAIN
 from model.sweeps.axes import Axis, check_plane

@@ -11,9 +11,17 @@ from vibralign.commands import (
     new,
     simulate,
 )
-from vibralign.commands.program import DONE, FAILED, INTERRUPTED, REFUSED, run_program
+from vibralign.commands.program import (
+    DONE,
+    FAILED,
+    INTERRUPTED,
+    REFUSED,
+    Parser,
+    parser_of,
+    run_program,
+)
 
-__all__ = ["DONE", "FAILED", "INTERRUPTED", "REFUSED", "main"]
+__all__ = ["DONE", "FAILED", "INTERRUPTED", "REFUSED", "main", "parser"]
 
 DESCRIPTION = (
     "Vibratory alignment of a peg with a hole: choose press force, tilt stiffness and excitation "
@@ -22,9 +30,14 @@ DESCRIPTION = (
 COMMANDS = new, simulate, assess, design, map, explore  # in the order of the help
 
 
+def parser() -> Parser:
+    """Return the parser of ``vibralign``."""
+    return parser_of("vibralign", DESCRIPTION, COMMANDS)
+
+
 def main(argv: Sequence[str] | None = None) -> int:
     """Run a command of ``vibralign`` and return its exit code."""
-    return run_program("vibralign", DESCRIPTION, COMMANDS, argv)
+    return run_program(parser(), argv)
 
 
 if __name__ == "__main__":

@@ -47,7 +47,9 @@ def add_json(parser: Any) -> None:
     parser.add_argument("--json", action="store_true", help="print everything as JSON")
 
 
-class _Parser(argparse.ArgumentParser):
+class Parser(argparse.ArgumentParser):
+    """A parser that refuses in one line."""
+
     appendix: Callable[[], str] | None = None  # makes the end of the help, when it is asked for
 
     def __init__(self, **options: Any) -> None:
@@ -63,23 +65,18 @@ class _Parser(argparse.ArgumentParser):
         return super().format_help() + (f"\n{self.appendix()}" if self.appendix else "")
 
 
-def run_program(
-    name: str, description: str, commands: Iterable[Any], argv: Sequence[str] | None = None
-) -> int:
+def run_program(parser: Parser, argv: Sequence[str] | None = None) -> int:
     """Run a command of a program; the exit code is 0 done, 1 failed, 2 bad input, 130 interrupted.
 
-    Args:
-        name: the program, as messages name it.
-        description: first words of its help.
-        commands: modules whose function ``add`` adds commands to the parsers, in the help's order.
-        argv: the arguments, by default those of this process.
+    ``argv`` are the arguments, by default those of this process.
     """
+    name = parser.prog
     os.environ["MPLBACKEND"] = "agg"  # files are drawn by it; that of a notebook fails here
     _open_streams()
     if isinstance(sys.stdout, io.TextIOWrapper):  # a terminal that cannot show τ gets a ? for it
         sys.stdout.reconfigure(errors="replace")
     try:
-        return _run(_parser(name, description, commands), argv)
+        return _run(parser, argv)
     except SystemExit as ending:  # argparse: help, version, a refusal
         return ending.code if isinstance(ending.code, int) else DONE
     except ValueError as refusal:
@@ -128,17 +125,24 @@ def _discard(stream: TextIO) -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
-def _run(parser: _Parser, argv: Sequence[str] | None) -> int:
+def _run(parser: Parser, argv: Sequence[str] | None) -> int:
     arguments = parser.parse_args(argv)
     code = int(arguments.run(arguments))
     sys.stdout.flush()  # here, where ``run_program`` still handles a broken pipe
     return code
 
 
-def _parser(name: str, description: str, commands: Iterable[Any]) -> _Parser:
-    parser = _Parser(prog=name, description=description, allow_abbrev=False)
+def parser_of(name: str, description: str, commands: Iterable[Any]) -> Parser:
+    """Return the parser of a program.
+
+    Args:
+        name: the program, as messages name it.
+        description: first words of its help.
+        commands: modules whose function ``add`` adds commands to the parsers, in the help's order.
+    """
+    parser = Parser(prog=name, description=description, allow_abbrev=False)
     parser.add_argument("--version", action="version", version=f"%(prog)s {version()}")
-    parsers = parser.add_subparsers(required=True, metavar="command", parser_class=_Parser)
+    parsers = parser.add_subparsers(required=True, metavar="command", parser_class=Parser)
     for command in commands:
         command.add(parsers)
     return parser

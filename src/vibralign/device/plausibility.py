@@ -205,7 +205,11 @@ def _stiffnesses(given: Mapping[str, float], device: Device) -> Iterator[str]:
         if ratio and abs(device.parameters.frequency / ratio - 1.0) <= _NEAR_RESONANCE:
             yield f"frequency = {given['frequency']:.4g} Hz is within a tenth of {own}: resonance"
         if ratio and _outside(ratio, _FREQUENCIES.get(direction, (1.0, 1.0))):
-            yield f"{own}, does not go with the axial one of {resonance:.3g} Hz"
+            name = f"{direction}_stiffness"
+            yield (
+                f"{name} = {given[name]:.4g} {FIELDS[name].quantity.unit} gives a natural "
+                f"frequency of {ratio * resonance:.3g} Hz, the axial one is {resonance:.3g} Hz"
+            )
 
 
 def _dampings(given: Mapping[str, float], _device: Device) -> Iterator[str]:

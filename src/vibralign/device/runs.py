@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from model.engines.results import RESULTS, VALUE_TYPES
+from model.engine.results import RESULTS, VALUE_TYPES
 from model.physics.parameters import Batch, Parameters
 from model.physics.quantities import LENGTH, TIME, Quantity
 from model.physics.tables import vars_of

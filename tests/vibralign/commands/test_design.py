@@ -84,7 +84,7 @@ def test_python_has_the_design_of_the_command(capsys, peg):
     [(name, value)] = found.setting.items()
     assert repr(found) == f"<Design: recommended {name} = {value:.4g} N m/rad>"
     assert f"<tr><th>{name}</th><td>{value:.7g}</td></tr>" in found._repr_html_()
-    parser = cli._parser().parse_args(["design", "--device", path])
+    parser = cli.parser().parse_args(["design", "--device", path])
     assert (int(parser.generations), int(parser.population)) == (GENERATIONS, POPULATION)
     assert int(parser.devices) == DEVICES
     with pytest.raises(TypeError, match="needs a device of a file"):

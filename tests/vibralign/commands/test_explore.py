@@ -38,10 +38,10 @@ def test_a_device_gets_a_page_in_its_units(tmp_path, capsys):
 
 
 @pytest.mark.usefixtures("engines")
-def test_without_a_device_the_page_is_that_of_the_study(tmp_path):
-    page = tmp_path / "study.html"
+def test_without_a_device_the_page_is_that_of_the_paper(tmp_path):
+    page = tmp_path / "paper.html"
     assert cli.main(["explore", "--out", str(page)]) == cli.DONE
-    assert "fig13" in model_in(page)["presets"]
+    assert model_in(page)["presets"]["device"]["title"] == "the paper's device"
 
 
 def test_a_run_is_animated_as_a_page(device, tmp_path):

@@ -4,13 +4,9 @@ import pytest
 import xarray as xr
 
 from tests.comparison_data import timed_settings
-from tests.study.report_data import datasets, lines, rendered, root, study
 from tests.vibralign.plots.drawn import DURATIONS, grid
 
-__all__ = [
-    "datasets", "lines", "rendered", "root", "study",
-    "timed_settings",
-]  # fmt: skip
+__all__ = ["timed_settings"]
 
 
 @pytest.fixture
