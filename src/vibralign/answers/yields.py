@@ -11,7 +11,6 @@ import math
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -24,7 +23,8 @@ from model.sweeps.settings import Ensemble
 from model.sweeps.starts import Starts
 from vibralign.answers.cases import cases_of, stated_case
 from vibralign.answers.reliability import DeviceResults, Floats, need_vibration, run_devices
-from vibralign.device import StatedDevice, Tolerance, load_device
+from vibralign.device import StatedDevice, Tolerance
+from vibralign.device.runs import AnyDevice, device_of
 from vibralign.device.stated import bound_of
 
 CONFIDENCE = 0.95
@@ -149,7 +149,7 @@ def check_devices(count: float) -> int:
 
 
 def yield_of(
-    stated: StatedDevice | Path | str,
+    stated: AnyDevice,
     starts: Starts | None = None,
     settings: Settings | None = None,
     cores: int = 1,
@@ -167,8 +167,10 @@ def yield_of(
     Raises:
         ValueError: a device without tolerances, or a number that is no power of two.
     """
-    if not isinstance(stated, StatedDevice):
-        stated = load_device(stated)
+    device = device_of(stated)
+    if not isinstance(device, StatedDevice):
+        raise TypeError("a yield needs a device of a file, with tolerances, got Parameters")
+    stated = device
     starts = starts or cases_of(stated, Ensemble(), varied=stated.tolerances)
     settings = settings or Settings(scene=INSERTION)
     if not stated.tolerances:

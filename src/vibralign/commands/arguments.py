@@ -20,7 +20,7 @@ from model.physics.variants import VARIANT_NAMES, Variant, Variants
 from model.runs.settings import SCENES, Settings
 from vibralign.commands.tables import in_columns
 from vibralign.device import StatedDevice, load_device
-from vibralign.device.amounts import read_amount
+from vibralign.device.amounts import read_positive
 from vibralign.device.mouth import MOUTH
 from vibralign.device.paper import baseline
 from vibralign.device.spelling import plain
@@ -134,12 +134,11 @@ def _stated_device(arguments: argparse.Namespace) -> StatedDevice | None:
     stated = load_device(arguments.device, pairs(arguments.changes, "--set"))
     for name, quantity in (("horizon", TIME), ("insertion_depth", LENGTH)):
         if (text := getattr(arguments, name)) is not None:
-            value = read_amount(name, text, quantity.unit).value
+            value = read_positive(name, text, quantity.unit)
             stated = replace(stated, **{name: value})  # type: ignore[arg-type]
     if arguments.shape is not None:
         stated = replace(stated, stated_shape=arguments.shape)
-    for doubt in stated.doubts:
-        print(f"vibralign: warning: {arguments.device}: {doubt}", file=sys.stderr)
+    stated.warn()
     return stated
 
 
@@ -169,6 +168,10 @@ def _settings(arguments: argparse.Namespace, stated: StatedDevice | None) -> Set
     horizon, tolerance, depth = Settings.horizon, Settings.tolerance, None
     if arguments.horizon is not None and stated is None:
         horizon = number("horizon", arguments.horizon)
+    if arguments.insertion_depth is not None and arguments.scene != "insertion":
+        raise ValueError(
+            f"insertion_depth = {arguments.insertion_depth!r}: needs --scene insertion"
+        )
     if arguments.insertion_depth is not None and stated is None:
         depth = number("insertion_depth", arguments.insertion_depth)
     if arguments.tolerance is not None:

@@ -342,8 +342,10 @@ def _nearest_row(nearest: "Nearest", words: Callable[[str, float], str]) -> tupl
 def _value(parameter: str, value: float, stated: "StatedDevice | None", units: Units | None) -> str:
     """Return a value of a device in words; with --dimensionless, without ``units``, in its own."""
     quantity = si.quantity_of(parameter)
-    if stated is None or units is not None:
-        return si.si_words(value, quantity) if stated else si.in_words(value, quantity, None)
+    if stated is not None and units is not None:
+        return si.written_words(parameter, value, stated)
+    if stated is None:
+        return si.in_words(value, quantity, None)
     return si.in_words(value / stated.units.of(quantity), quantity, None)
 
 

@@ -11,7 +11,7 @@ from vibralign.commands.arguments import set_options
 from vibralign.commands.assess import headline
 from vibralign.commands.limits import MEASURES
 from vibralign.commands.tables import in_columns
-from vibralign.device.stated import VIBRATION
+from vibralign.device.limits import VIBRATION
 
 if TYPE_CHECKING:
     from model.runs.settings import Settings
@@ -63,7 +63,7 @@ def so_far(trials: "Trials", known: "Known") -> str:
     changes = {**stated.changes, **{name: f"{value:.4g}" for name, value in setting.items()}}
     sets = " ".join(set_options(changes).values())
     return (
-        f"best of {len(known):,} settings so far, by quick trials: {named_words(setting)}; by them "
+        f"best of {len(known):,} settings so far, by quick trials: {named_words(setting, stated)}; by them "
         f"it {holds} what is asked. Check it: vibralign assess --device {source} {sets}"
     )
 
@@ -74,7 +74,8 @@ def report(answer: Answer) -> list[str]:
 
     design, tried, best = answer.design, answer.design.tried, answer.design.best
     margin = tried.margin[best]
-    setting = named_words(design.setting)
+    stated = answer.trials.stated
+    setting = named_words(design.setting, stated)
     if design.feasible:
         lines = [_line("recommended", setting)]
     else:
@@ -88,7 +89,7 @@ def report(answer: Answer) -> list[str]:
     if answer.assessed.cause:
         lines.append(_line("cause", answer.assessed.cause))
     if answer.assessed.change:
-        words = f"{named_words(answer.assessed.change)}: with it, it is reliable (tried)"
+        words = f"{named_words(answer.assessed.change, stated)}: with it, it is reliable (tried)"
         lines.append(_line("first to change", words))
     words = f"{margin:.3g} tolerances away" if margin < 3.0 else "none within three tolerances"
     words += f", on {POINTS} lines from every start" if design.feasible else ""

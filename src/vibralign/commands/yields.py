@@ -77,7 +77,7 @@ def yield_report(
     elif failing is None:
         lines.append(_line("fails nearest", "none of the devices drawn fails"))
     else:
-        words = f"{si.named_words(failing.quantities)}: fails at "
+        words = f"{si.named_words(failing.quantities, stated)}: fails at "
         words += f"{100.0 * failing.distance:.3g} % of the tolerances"
         lines += [_line("fails nearest", words), f"  {_command(failing, stated, settings)}"]
     return lines

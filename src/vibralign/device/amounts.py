@@ -118,6 +118,20 @@ def read_exact(name: str, given: object, unit: str, frequency: float | None = No
     return amount
 
 
+def read_positive(name: str, given: object, unit: str, words: str = "") -> float:
+    """Return the value of an amount > 0 without a tolerance, such as a limit, in SI units.
+
+    ``words`` are its meaning.
+
+    Raises:
+        ValueError: as ``read_exact``, or it is not > 0 and finite.
+    """
+    value = read_exact(name, given, unit).value
+    if not 0.0 < value < math.inf:
+        raise ValueError(f"{name} = {given!r}: must be a finite number > 0{words and f', {words}'}")
+    return value
+
+
 def read_range(
     name: str, given: object, unit: str, frequency: float | None = None
 ) -> tuple[float, float]:

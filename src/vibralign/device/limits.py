@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping
 
 from model.physics.parameters import check_name
 from model.physics.quantities import ACCELERATION, ANGLE, FORCE, LENGTH, TIME, Quantity
-from vibralign.device.amounts import read_exact
+from vibralign.device.amounts import read_positive
 
 # Upper limits that a design may have to keep: meaning and quantity.
 LIMITS: Mapping[str, tuple[str, Quantity]] = {
@@ -36,11 +36,7 @@ def read_limits(given: Iterable[tuple[str, object]]) -> dict[str, float]:
             limits[name] = VIBRATION[str(value)]
             continue
         words, quantity = LIMITS[name]
-        limits[name] = read_exact(name, value, quantity.unit).value
-        if not 0.0 < limits[name] < math.inf:
-            raise ValueError(
-                f"limits: {name} = {value!r}: must be a finite number > 0, the {words}"
-            )
+        limits[name] = read_positive(f"limits: {name}", value, quantity.unit, f"the {words}")
     return limits
 
 

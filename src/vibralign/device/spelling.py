@@ -39,8 +39,11 @@ _HEIGHTS = {
 
 
 def plain(text: str) -> str:
-    """Return ``text`` with ASCII signs and spaces."""
-    return text.translate(_SIGNS)
+    """Return ``text`` with ASCII signs and spaces.
+
+    In an ASCII locale a command line has bytes in place of its other signs.
+    """
+    return text.encode(errors="surrogateescape").decode(errors="replace").translate(_SIGNS)
 
 
 def is_grouped(text: str) -> bool:

@@ -2,6 +2,7 @@
 
 import difflib
 import math
+import warnings
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -32,6 +33,7 @@ from vibralign.device.mouth import (
 )
 from vibralign.device.plausibility import (
     DeviceError,
+    DoubtWarning,
     NoNeedError,
     check_place,
     check_press,
@@ -171,7 +173,9 @@ class StatedDevice(Value):
         }
         materials = None if "materials" in replaced else self.materials
         all_changes: dict[str, object] = {**self.changes, **changes}
-        return replace(self, **merged, materials=materials, changes=all_changes)
+        kept = _kept_amplitude(self.quantities, self.written, changes)
+        notes = tuple(dict.fromkeys([*self.notes, *kept]))
+        return replace(self, **merged, materials=materials, changes=all_changes, notes=notes)
 
     def run_settings(self, settings: Settings, units: Units) -> Settings:
         """Return ``settings`` with what is stated for runs; ``units`` are those of the device.
@@ -192,6 +196,16 @@ class StatedDevice(Value):
     def base_is_stated(self) -> bool:
         """True if the file states how stiff the base is."""
         return self.materials is not None or "contact_stiffness" in self.quantities
+
+    def warn(self, at: Mapping[str, float] | None = None) -> None:
+        """Warn of what is doubtful, or of what is so only with the values ``at`` of an axis."""
+        found = self.doubts
+        if at is not None:
+            there = self.changed(**at).doubts
+            place = ", ".join(f"{name} = {value:.4g} {unit_of(name)}" for name, value in at.items())
+            found = [f"at {place}: {doubt}" for doubt in there if doubt not in found]
+        for doubt in found:
+            warnings.warn(f"{self.source}: {doubt}", DoubtWarning, stacklevel=3)
 
     @property
     def fixture(self) -> float:
@@ -246,7 +260,7 @@ def load_device(path: Path | str, changes: Mapping[str, object] | None = None) -
             changes=dict(changes),
             start=mapping.get("start"),
             stated_shape=mapping.get("shape"),
-            notes=_kept_amplitude(mapping, parts["quantities"], changes),
+            notes=_kept_amplitude(parts["quantities"], parts["written"], changes),
         )
         for name, kind in (("start", Start), ("shape", Shape)):
             if mapping.get(name) is not None:
@@ -327,17 +341,20 @@ def _mapping(path: Path) -> dict[str, Any]:
 
 
 def _kept_amplitude(
-    mapping: Mapping[str, Any], values: Mapping[str, float], changes: Mapping[str, object]
+    values: Mapping[str, float], written: Mapping[str, tuple[str, float]], changes: Iterable[str]
 ) -> tuple[str, ...]:
-    """Return a line if the file's amplitude is an acceleration at a frequency that is changed."""
-    if "frequency" not in changes or "amplitude" not in values or "amplitude" in changes:
+    """Return a line if an amplitude is stated by an acceleration, and the frequency is changed."""
+    unit, one = written.get("amplitude", ("", 1.0))
+    if not unit or "frequency" not in changes or "amplitude" in changes:
         return ()
-    given, kept = mapping["amplitude"], values["amplitude"]
-    if math.isclose(read_amount("amplitude", given, "m", 1.0).value, kept):
-        return ()
-    at, now = f"{values['frequency']:.4g} Hz", changes["frequency"]
-    words = f"amplitude = {given} is {1e3 * kept:.4g} mm at {at}, and stays so at frequency = {now}"
-    return (f"{words}: set amplitude, too, if the acceleration is to stay",)
+    try:
+        read_amount("amplitude", f"1 {unit}", "m")
+    except ValueError:  # a velocity or an acceleration
+        kept, at = values["amplitude"], values["frequency"]
+        words = f"amplitude = {kept / one:.4g} {unit} is {1e3 * kept:.4g} mm at {at:.4g} Hz, and "
+        words += "stays so at another frequency: set amplitude, too, if the acceleration is to stay"
+        return (words,)
+    return ()
 
 
 def _one_frequency(mapping: Mapping[str, Any]) -> float | None:
