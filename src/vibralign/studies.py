@@ -146,7 +146,8 @@ def _study(device: Device, settings: Settings, axes: Axes, cores: int | None) ->
     for own, rows in groups.items():
         some = rows_of(batch, rows)
         runs = vars_of(align(some, own, cores=cores))
-        runs = judged(runs, some.values) if units else runs
+        if isinstance(device, StatedDevice):
+            runs = judged(runs, some.values, chamfered=device.is_chamfered)
         for name, result in RESULTS.items():
             if name in _OF_INSERTION and own.success is not Outcome.INSERTED:
                 continue

@@ -59,8 +59,8 @@ def _misplaced(values: Mapping[str, Any]) -> Any:
 
 
 _MISPLACED_RULE = (
-    "must be smaller than half_width * (2 + clearance): the part would start wholly beside the slot; "
-    "and >= 0, or the tilt must bring the middle of the face, misalignment + half_height * "
+    "must be smaller than half_width * (2 + clearance): the part would start wholly beside the "
+    "slot; and >= 0, or the tilt must bring the middle of the face, misalignment + half_height * "
     "sin(initial_tilt), to where it is >= 0"
 )
 

@@ -213,8 +213,8 @@ def _results(
     found: dict[str, NDArray[Any]] = {}
     courses: dict[str, NDArray[Any]] = {}
     for places, batch, settings, units in sweep.groups(points):
-        columns, courses = _computed(sweep, batch, settings, cores)
-        columns = sweep.judged(columns, batch)
+        computed, courses = _computed(sweep, batch, settings, cores)
+        columns = sweep.judged(computed, batch)
         for name in sweep.variables:
             kind = VALUE_TYPES[name].stored if name in VARIABLES else np.float64
             values = columns[name]

@@ -44,7 +44,7 @@ from vibralign.answers.reliability import (
 from vibralign.device import StatedDevice
 from vibralign.device.batches import Values
 from vibralign.device.mouth import GRIPPER_TILT
-from vibralign.device.runs import AnyDevice, device_of
+from vibralign.device.runs import AnyDevice, device_of, of_device
 
 _HOPPING = 8  # number of cases whose touch-downs are examined
 _SAME_TIME = 0.02  # relative difference below which two times count as equal
@@ -247,7 +247,7 @@ def assess(
     slowest_first = np.lexsort((-np.nan_to_num(tau + results["tau_inserted"]), goes_in))
     hardest = [cases[i] for i in slowest_first]  # fail first where the device is changed
     hopping = [i for i in np.argsort(-hops, kind="stable")[:_HOPPING] if hops[i] > 0]
-    runs = [simulate_once(parameters_in(device, cases[i]), settings) for i in hopping]
+    runs = [_run_in(device, cases[i], settings) for i in hopping]
 
     def is_reliable(values: Values) -> NDArray[np.bool_]:
         return are_reliable(device, values, hardest, settings, cores)
@@ -282,7 +282,7 @@ def assess(
         ranges = leeways(device, is_reliable, is_late, held, quicker) if vary else ()
         return replace(result, leeways=ranges)
     failing = cases[int(np.argmin(goes_in))]
-    failed = simulate_once(parameters_in(device, failing), settings)
+    failed = _run_in(device, failing, settings)
     cause = cause_of(failed, settings.shape or "square")
     result = replace(result, failing_start=stated_case(device, failing), cause=cause.words)
     if not vary:
@@ -291,6 +291,14 @@ def assess(
     change = a_step_inside(device, is_reliable, first_change(cause, near))
     change = change or together(device, is_reliable, _PAIRED)
     return replace(result, nearest=near, change=change)
+
+
+def _run_in(
+    device: Parameters | StatedDevice, case: Mapping[str, float], settings: Settings
+) -> Trajectory:
+    """Return the run of a device in a case, without an estimate of its error."""
+    run = simulate_once(parameters_in(device, case), settings)
+    return of_device(run, device) if isinstance(device, StatedDevice) else run
 
 
 def _at_each_tilt(
@@ -327,9 +335,8 @@ def _if_square(
         return None
     square = replace(device, stated_shape="square")
     settings = replace(settings, shape="square")
-    starts = [
-        each for each in cases_of(square, ensemble) if math.isnan(each.get("level", math.nan))
-    ]
+    cases = cases_of(square, ensemble)
+    starts = [each for each in cases if math.isnan(each.get("level", math.nan))]
     own = {"friction": np.array([square.quantities["friction"]])}
     results, _ = from_every_start(square, own, starts, settings, cores)
     return _successes(results["goes_in"][0], results["tau_align"][0])

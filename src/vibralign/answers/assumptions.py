@@ -47,7 +47,7 @@ def assumptions(
         "shape": _shape(settings, stated),
         "start": _STARTS[settings.start or "simultaneous"],
         "touch-down": _touch_down(parameters, stated, ensemble),
-        "goal": _goal(parameters, settings, units),
+        "goal": _goal(parameters, settings, stated),
         "base": _base(parameters, stated),
         "horizon": _horizon(settings, units),
         "precision": _precision(settings, counted=bool(ensemble and stated and stated.tolerances)),
@@ -140,7 +140,10 @@ def _touch_down(
     return f"at {ensemble.phases} phases of the excitation, tilted by {words}{source}"
 
 
-def _goal(parameters: Parameters, settings: Settings, units: Units | None) -> str:
+def _goal(parameters: Parameters, settings: Settings, stated: StatedDevice | None) -> str:
+    units = None if stated is None else stated.units
+    if stated is not None and stated.is_chamfered:
+        return "aligned: the face has reached the chamfers, whose flanks are not modelled"
     if settings.success is not Outcome.INSERTED:
         return "aligned: the edge is past the corner of the hole"
     batch, depth = Batch.stack([parameters]), settings.insertion_depth

@@ -57,6 +57,9 @@ def cause_of(run: Trajectory, shape: Shape) -> Cause:
         if run.outcome == Outcome.SETTLED:
             return Cause(f"the vibration moves it no further: {come}; {words}", _SOFTER)
         return Cause(f"too slow: at the horizon {come}; {words}", _SOFTER)
+    if run.reason == Reason.ON_FLANK:
+        words = f"the answer is not known: {why}; tilted by up to {tilt}"
+        return Cause(words, (("tilt_stiffness", 1), ("press_force", -1)))
     if run.reason == Reason.MOVED_AWAY:
         words = f"it is pressed too little or topples: {why}, tilted by up to {tilt}"
         return Cause(words, (("press_force", 1), ("tilt_stiffness", 1), ("press_force", -1)))

@@ -1,8 +1,9 @@
 """Leeways of a device: ranges in which it stays reliable, one parameter at a time.
 
 Each parameter is scanned from its value, downwards and upwards, in steps of one ratio, all in one
-batch; the gripper's tilt, whose value may be 0, in steps that add. Two more batches divide the step in which the verdict changes, and then such a part, so that
-the end of the range is known to ``FINEST``. Values are tried with the digits that are printed.
+batch; the gripper's tilt, whose value may be 0, in steps that add. Two more batches divide the step
+in which the verdict changes, and then such a part, so that the end of the range is known to
+``FINEST``. Values are tried with the digits that are printed.
 
 The border of a part that hops is *ragged*: values that fail lie among values that hold, down to
 slivers of 0.01 %. So ``UNBROKEN`` values ``FINEST`` apart are tried inwards from an end, ``BEYOND``

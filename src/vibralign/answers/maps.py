@@ -9,12 +9,13 @@ from numpy.typing import NDArray
 from pydantic import AfterValidator
 
 from model.engine.results import RESULTS, UNVIBRATED_CONTROL
+from model.events.scenes import ALIGNMENT
 from model.physics.parameters import Batch, Parameters
 from model.physics.quantities import ANGLE, PLAIN
 from model.sweeps.axes import Axis, check_plane
 from model.sweeps.settings import Ensemble, RunSettings
 from model.sweeps.sweep import Columns, Group, Sweep
-from vibralign.answers.cases import cases_of
+from vibralign.answers.cases import OF_BASE, cases_of
 from vibralign.device.batches import by_settings, devices_of, rows_of
 from vibralign.device.mouth import judged
 from vibralign.device.stated import StatedDevice, check_quantity, quantity_of
@@ -50,11 +51,12 @@ class DeviceMap(Sweep):
     def start_values(self, ensemble: Ensemble) -> dict[str, list[float]]:
         """Return the tilts of the gripper, unless they are an axis, and the phases."""
         cases = cases_of(self.device, ensemble, varied=self.swept)
-        return {name: list(dict.fromkeys(each[name] for each in cases)) for name in cases[0]}
+        names = [name for name in cases[0] if name not in OF_BASE]
+        return {name: list(dict.fromkeys(each[name] for each in cases)) for name in names}
 
     def judged(self, results: Columns, batch: Batch) -> Columns:
         """Return the results of runs, with those of parts that start inside the hole."""
-        return judged(results, batch.values)
+        return judged(results, batch.values, chamfered=self.device.is_chamfered)
 
     def groups(self, points: NDArray[np.int64]) -> Iterator[Group]:
         """Yield the devices at points by the settings of their runs.
@@ -130,6 +132,8 @@ def map_of(
             stated.warn(each)
     every = max(min(ensemble.every, (min(x.count, y.count) - 1) // _SPACES), 1)
     own = {x.parameter, y.parameter} & {"phase", "initial_tilt"}
+    if stated is not None and stated.is_chamfered:
+        settings = settings.model_copy(update={"scene": ALIGNMENT.name})
     given: dict[str, Any] = {
         "name": "map",
         "kind": "map",

@@ -112,7 +112,7 @@ def from_every_start(
             whole = results.setdefault(name, np.empty((len(devices), len(starts)), column.dtype))
             whole[rows] = column
     parameters = {name: column[:, None] for name, column in devices.values.items()} | of_cases
-    results = judged(results, parameters)
+    results = judged(results, parameters, chamfered=device.is_chamfered)
     return {**results, "goes_in": np.isin(results["outcome"], SUCCESSES)}, units
 
 

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, get_args
 
 from model.compile.cache import cache_folder
+from model.events.insertion import INSERTION
 from model.physics.parameters import FIELDS, PARAMETER_NAMES, Parameters, Shape, check_name
 from model.physics.quantities import LENGTH, TIME
 from model.physics.rest import Start
@@ -24,7 +25,7 @@ from vibralign.device.amounts import read_positive
 from vibralign.device.mouth import MOUTH
 from vibralign.device.paper import baseline
 from vibralign.device.spelling import plain
-from vibralign.device.stated import QUANTITIES, quantity_of, unit_of
+from vibralign.device.stated import FOLLOWED, QUANTITIES, quantity_of, unit_of
 
 
 def add_model_options(
@@ -60,7 +61,8 @@ def add_model_options(
     add("--shape", choices=get_args(Shape), help=words)
     words = "end of a run: alignment, or insertion, jamming or climbing out after it "
     words += f"(default: {scene})"
-    add("--scene", choices=list(SCENES), default=scene, help=words)
+    add("--scene", choices=list(SCENES), help=words)
+    parser.set_defaults(usual_scene=scene)
     words = "depth at which a part counts as inserted, in metres with --device; needs --scene "
     words += "insertion (default: half of what the press reaches, and at most the half-width)"
     add("--insertion-depth", metavar="DEPTH", help=words)
@@ -124,6 +126,9 @@ def read_inputs(arguments: argparse.Namespace) -> Inputs:
     settings = _settings(arguments, stated)
     if stated is None:
         return Inputs(None, None, _changed(baseline(), arguments.changes), settings)
+    if stated.is_chamfered and arguments.scene == INSERTION.name:
+        words = f"{arguments.device} states a chamfer: {FOLLOWED}"
+        raise ValueError(f"--scene {arguments.scene}: {words}")
     settings = stated.run_settings(settings, stated.units)
     return Inputs(stated, stated.units, stated.parameters, settings)
 
@@ -178,7 +183,7 @@ def _settings(arguments: argparse.Namespace, stated: StatedDevice | None) -> Set
         tolerance = number("tolerance", arguments.tolerance)
     return Settings(
         readings=Variants(**switches),
-        scene=SCENES[arguments.scene],
+        scene=SCENES[arguments.scene or arguments.usual_scene],
         shape=arguments.shape,
         start=arguments.start or (stated and stated.start) or "simultaneous",
         insertion_depth=depth,

@@ -15,7 +15,7 @@ from model.physics.units import Units
 from model.runs.unvibrated import unvibrated_words
 from vibralign.answers import si
 from vibralign.answers.assumptions import assumptions, lines_of, source_words
-from vibralign.answers.forces import forces_words
+from vibralign.answers.forces import forces_words, tip_record
 from vibralign.answers.lever import lever_record, lever_words, wall_words
 from vibralign.commands.arguments import (
     add_model_options,
@@ -31,6 +31,7 @@ from vibralign.commands.simulate import unvibrated_record
 from vibralign.commands.tables import in_columns, print_json
 from vibralign.commands.tables import report_line as _line
 from vibralign.commands.yields import yield_record, yield_report, yield_words
+from vibralign.device.plausibility import NoNeedError
 
 if TYPE_CHECKING:
     from model.runs.settings import Settings
@@ -75,7 +76,10 @@ def add(commands: Any) -> None:
 
 
 def _assess(arguments: argparse.Namespace) -> int:
-    given = read_inputs(arguments)
+    try:
+        given = read_inputs(arguments)
+    except NoNeedError as found:
+        return _without_need(str(found), as_json=arguments.json)
     stated, device, settings = given.stated, given.parameters, given.settings
     required, devices = _required(arguments, stated)
     if arguments.sheet is not None:
@@ -110,6 +114,7 @@ def _assess(arguments: argparse.Namespace) -> int:
     if arguments.json:
         print_json(
             _record(result, given.units)
+            | tip_record(result.forces["edge"] * si.scale(given.units, FORCE), settings)
             | {"verdict": verdict}
             | unvibrated_record(device, settings)
             | si.natural_record(device, given.units)
@@ -143,6 +148,15 @@ def _assess(arguments: argparse.Namespace) -> int:
             line.begin("map of the sheet")
             write_sheet(arguments.sheet, stated, (verdict, good), groups, settings)
     return int(not met)
+
+
+def _without_need(words: str, *, as_json: bool) -> int:
+    """Answer for a device whose place at the mouth says that it needs no alignment."""
+    if as_json:
+        print_json({"verdict": words, "needs_alignment": False})
+    else:
+        print(_line("verdict", words))
+    return 0
 
 
 def headline(
@@ -370,4 +384,4 @@ def _record(result: "Assessment", units: Units | None) -> dict[str, Any]:
     record["impact_speed"] = record["impact_speed"] * si.scale(units, SPEED) or None  # never lands
     if record["rigid_from"] is not None:
         record["rigid_from"] *= stiffness
-    return {"units": "1" if units is None else "SI", **record}
+    return {"units": "1" if units is None else "SI", "needs_alignment": True, **record}

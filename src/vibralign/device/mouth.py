@@ -6,9 +6,18 @@ middle of the bottom face, and the springs are relaxed where the robot brings th
 
     x(0) = x_st = m - b sin φ,    φ(0) = φ_st = φ.
 
+A chamfer of 45° makes the bottom face narrower (of width c_p, on the part) or the mouth wider (c_h,
+on the hole). Until the face lies within the mouth a chamfered pair is one without chamfers, of
+
+    a' = a - c_p,    l' = a (1 + δ) + c_h,    δ' = l'/a' - 1,
+
+as long as the normal at the contact stays within the cones of the flanks, which it does while
+l' sin φ <= l' cos φ - a', and nothing touches the side of the part.
+
 All in SI units, angles in radians; numbers, or arrays of devices.
 """
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -19,6 +28,8 @@ from model.physics.fields import Field
 from model.physics.quantities import ANGLE, LENGTH
 
 GRIPPER_TILT = "gripper_tilt"
+CHAMFERS = ("peg_chamfer", "hole_chamfer")
+_CHAMFER = "width of the chamfer of the {}, of 45°, across the axis"
 MOUTH: Mapping[str, Field] = {
     "misalignment": Field(
         "m", "distance of the axes of part and hole at the mouth of the hole", LENGTH, ">= 0"
@@ -26,6 +37,8 @@ MOUTH: Mapping[str, Field] = {
     GRIPPER_TILT: Field(
         "φ_st", "tilt at which the gripper holds the part; > 0: the face dips into the hole", ANGLE
     ),
+    "peg_chamfer": Field("c_p", _CHAMFER.format("part"), LENGTH, ">= 0"),
+    "hole_chamfer": Field("c_h", _CHAMFER.format("hole"), LENGTH, ">= 0"),
 }
 """Quantities that a device states at the mouth of the hole."""
 
@@ -59,10 +72,24 @@ def as_parameters(given: Mapping[str, Any]) -> dict[str, Any]:
             value = float(np.atleast_1d(given[name])[int(np.argmax(outside))])
             raise ValueError(f"{name} = {value!r}: {MOUTH[name].rule}")
     found = {name: value for name, value in given.items() if name not in MOUTH}
-    if not {"misalignment", "half_height"} <= given.keys():
+    if not {"misalignment", "half_width", "half_height", "clearance"} <= given.keys():
         return found | {n: v for n, v in given.items() if n == "misalignment"}
     tilt = given.get(GRIPPER_TILT, 0.0)
-    return found | start_of(given["misalignment"], given["half_height"], tilt)
+    return {**found, **_pair(given), **start_of(given["misalignment"], given["half_height"], tilt)}
+
+
+def _pair(given: Mapping[str, Any]) -> dict[str, Any]:
+    """Return half-width and clearance of the pair that chamfers leave; empty without chamfers."""
+    if not given.keys() & {*CHAMFERS}:
+        return {}
+    half, chamfer = given["half_width"], given.get("peg_chamfer", 0.0)
+    if np.any(chamfer >= half):
+        raise ValueError(
+            f"peg_chamfer = {float(np.max(chamfer))!r}: must be smaller than half_width, or no "
+            "face is left"
+        )
+    mouth = half * (1.0 + given["clearance"]) + given.get("hole_chamfer", 0.0)
+    return {"half_width": half - chamfer, "clearance": mouth / (half - chamfer) - 1.0}
 
 
 def start_of(misalignment: Any, half_height: Any, tilt: Any) -> dict[str, Any]:
@@ -84,18 +111,59 @@ def middle_of_face(parameters: Mapping[str, Any]) -> Any:
     return parameters["misalignment"] + parameters["half_height"] * np.sin(tilt)
 
 
-def judged(results: Mapping[str, Any], parameters: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the results of runs, with those of parts that start inside the hole.
+_AT_ONCE: Mapping[str, float] = {
+    "outcome": Outcome.ALIGNED, "reason": Reason.NONE, "tau_align": 0.0, "tau_error": 0.0,
+}  # fmt: skip
+_ON_FLANK: Mapping[str, float] = {
+    "outcome": Outcome.LEFT_SCENE, "reason": Reason.ON_FLANK,
+    **dict.fromkeys(("tau_align", "tau_error", "tau_corners_inside"), math.nan),
+}  # fmt: skip
 
-    Such a part needs no alignment, and is aligned at once, even if it meets no edge and hangs in
-    the hole. Both mappings hold arrays of one shape.
+
+def judged(
+    results: Mapping[str, Any], parameters: Mapping[str, Any], *, chamfered: bool
+) -> dict[str, Any]:
+    """Return the results of runs by name, where the place at the mouth decides.
+
+    A part that starts inside the hole needs no alignment, and is aligned at once, even if it meets
+    no edge and hangs in the hole. Of a ``chamfered`` pair, an alignment at which a flank or a side
+    is met is not known. Both mappings hold arrays of one shape.
     """
-    at_once = is_inside(parameters, parameters["initial_tilt"]) & (results["tau_align"] != 0.0)
-    said = {"outcome": Outcome.ALIGNED, "reason": Reason.NONE, "tau_align": 0.0, "tau_error": 0.0}
-    return {
-        name: np.where(at_once, said[name], column).astype(column.dtype) if name in said else column
-        for name, column in results.items()
-    }
+    found = dict(results)
+
+    def say(where: Any, what: Mapping[str, float]) -> None:
+        for name in what.keys() & found.keys():
+            found[name] = np.where(where, what[name], found[name]).astype(found[name].dtype)
+
+    at_once = is_inside(parameters, parameters["initial_tilt"])
+    say(at_once & (results["tau_align"] != 0.0), _AT_ONCE)
+    if chamfered:
+        tilt = np.fmax(results["tilt_max"], np.abs(results["tilt_at_alignment"]))
+        beyond = (tilt > steepest(parameters)) | (results["side_force_max"] > 0.0)
+        say(beyond & ~at_once & np.isfinite(results["tau_align"]), _ON_FLANK)
+    return found
+
+
+def steepest(parameters: Mapping[str, Any]) -> Any:
+    """Return the tilt up to which the flanks of a chamfered pair are not met."""
+    return np.arccos(math.sqrt(0.5) / (1.0 + parameters["clearance"])) - 0.25 * math.pi
+
+
+def press_to_slide(given: Mapping[str, float]) -> float:
+    """Return the press in N above which a part whose chamfers meet slides in along a flank.
+
+    The flank moves the face by what the misalignment exceeds the play, against the lateral and the
+    tilt spring in series; infinite from a friction of 1 on.
+    """
+    play = given["clearance"] * given["half_width"]
+    springs = given["lateral_stiffness"], given["tilt_stiffness"]
+    arms = 1.0, given["half_height"] ** 2
+    if 0.0 in springs:
+        return 0.0
+    compliance = sum(arm / spring for arm, spring in zip(arms, springs, strict=True))
+    across = max(given["misalignment"] - play, 0.0) / compliance
+    friction = given["friction"]
+    return across * (1.0 + friction) / (1.0 - friction) if friction < 1.0 else math.inf
 
 
 def is_inside(parameters: Mapping[str, Any], tilt: Any) -> Any:

@@ -14,7 +14,13 @@ from model.physics.tables import vars_of
 from model.physics.units import Device
 from vibralign.device.base import mass_at_edge
 from vibralign.device.holder import DIRECTIONS, critical_damping, natural_frequencies
-from vibralign.device.mouth import GRIPPER_TILT, is_inside, middle_of_face
+from vibralign.device.mouth import (
+    CHAMFERS,
+    GRIPPER_TILT,
+    as_parameters,
+    is_inside,
+    press_to_slide,
+)
 from vibralign.device.spelling import in_per_cent
 
 _LONGEST = 1.0  # m
@@ -59,27 +65,40 @@ def check_press(force: float) -> None:
         raise ValueError(f"press_force = {force!r}: must be > 0, or nothing presses the part")
 
 
-def check_place(quantities: Mapping[str, float]) -> None:
-    """Refuse a place, in parameters in SI units, in which no edge is under the face of the part.
+def check_place(given: Mapping[str, float]) -> None:
+    """Refuse a place in which no edge is under the face of the part.
+
+    ``given`` are quantities in SI units, with those of ``MOUTH``.
 
     Raises:
-        NoNeedError: the part starts inside the hole.
+        NoNeedError: the part starts inside the hole, or its chamfer meets the hole's.
         ValueError: it starts wholly beside the hole.
     """
-    half, clearance, tilt = (quantities[n] for n in ("half_width", "clearance", "initial_tilt"))
-    middle, hole, wide = middle_of_face(quantities), half * (1.0 + clearance), half * math.cos(tilt)
-    if is_inside(quantities, tilt):
-        tilted = f", tilted by {math.degrees(tilt):.3g}°" if tilt else ""
+    tilt, own = given.get(GRIPPER_TILT, 0.0), as_parameters(given)
+    bare = as_parameters({name: each for name, each in given.items() if name not in CHAMFERS})
+    said = f"misalignment = {given['misalignment']:.6g} m"
+    tilted = f", tilted by {math.degrees(tilt):.3g}°" if tilt else ""
+    if is_inside(bare, tilt):
+        play = given["half_width"] * (1.0 + given["clearance"] - math.cos(tilt))
         raise NoNeedError(
-            f"misalignment = {middle:.6g} m: already inside at the start{tilted}: needs no "
-            f"alignment, misalignment <= clearance * half_width = {hole - wide:.6g} m; the "
-            "clearance is the ratio (hole - peg) / peg of the radii, not a length"
-            + (in_per_cent(clearance) if clearance > _WIDEST else "")
+            f"{said}: already inside at the start{tilted}: needs no alignment, misalignment <= "
+            f"clearance * half_width = {play:.6g} m; the clearance is the ratio (hole - peg) / peg "
+            "of the radii, not a length"
+            + (in_per_cent(given["clearance"]) if given["clearance"] > _WIDEST else "")
         )
-    if middle >= hole + wide:
+    if is_inside(own, tilt):
+        press = press_to_slide(given)
+        slides = "slides in" if given["press_force"] > press else "does not slide in"
+        raise NoNeedError(
+            f"{said}: the chamfers meet{tilted}: no vibration needed; under press_force = "
+            f"{given['press_force']:.4g} N the part {slides} along a flank of 45°, which takes "
+            f"more than {press:.4g} N"
+        )
+    wide = own["half_width"] * (1.0 + own["clearance"] + math.cos(tilt))
+    if given["misalignment"] >= wide:
         raise ValueError(
-            f"misalignment = {middle:.6g} m: must be smaller than half_width * (2 + clearance) = "
-            f"{hole + wide:.6g} m, or the part touches down wholly beside the hole"
+            f"{said}: must be smaller than half_width * (2 + clearance) = {wide:.6g} m, or the "
+            "part touches down wholly beside the hole"
         )
 
 

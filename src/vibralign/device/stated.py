@@ -11,6 +11,7 @@ from typing import Any, get_args
 
 import yaml
 
+from model.events.scenes import ALIGNMENT
 from model.physics.fields import Bound
 from model.physics.parameters import FIELDS, Parameters, Shape, check_name
 from model.physics.quantities import Quantity
@@ -25,6 +26,7 @@ from vibralign.device.fits import play_of
 from vibralign.device.instead import INSTEAD, replaced_by, with_parameters
 from vibralign.device.limits import OF_VIBRATOR, of_vibrator, read_limits
 from vibralign.device.mouth import (
+    CHAMFERS,
     GRIPPER_TILT,
     MOUTH,
     REPLACED,
@@ -42,6 +44,7 @@ from vibralign.device.plausibility import (
 
 _OWN = {**{n: each for n, each in FIELDS.items() if n not in REPLACED}, **UNITS, **MOUTH}
 QUANTITIES = (*UNITS, *(n for n in _OWN if n not in UNITS), *INSTEAD, *BASE)
+FOLLOWED = "a part with chamfers is followed until its face has reached them, no further"
 _BESIDES = ("materials", "fit", "free", "limits", "start", "shape")
 
 
@@ -117,7 +120,8 @@ class StatedDevice(Value):
     def values(self) -> dict[str, float]:
         """Value of every quantity in SI units, stated or not, without those of the base."""
         given, resolved = self.units.in_si(self.parameters).given(), self.resolved({})
-        stated = {n: self.quantities[n] for n in MOUTH if n in self.quantities}
+        part = self._of_part({})
+        stated = {n: part[n] for n in (*MOUTH, "half_width", "clearance") if n in part}
         usual = {**vars(self.units), **given, **resolved, GRIPPER_TILT: 0.0, **stated}
         return {n: v for n, v in usual.items() if v is not None and n not in REPLACED}
 
@@ -137,21 +141,24 @@ class StatedDevice(Value):
 
         Raises:
             ValueError: as ``at``, or the part is not pressed.
-            NoNeedError: the part starts inside the hole.
+            NoNeedError: the part starts inside the hole, or its chamfer meets the hole's.
         """
         check_press(changes.get("press_force", self.quantities["press_force"]))
-        quantities = self.resolved(changes)
-        check_place(quantities)
-        return device(quantities)
+        found = device(self.resolved(changes))
+        check_place(self._of_part(changes))
+        return found
 
     def resolved(self, changes: Mapping[str, float]) -> dict[str, float]:
-        """Return the quantities (SI units) with ``changes``, and parameters computed from them."""
+        """Return the parameters in SI units, and the units, with ``changes`` of quantities."""
+        stated = None if "materials" in replaced_by(changes) else self.materials
+        pair = None if stated is None else pair_of(stated)
+        return with_base(as_parameters(self._of_part(changes)), pair, self.shape)
+
+    def _of_part(self, changes: Mapping[str, float]) -> dict[str, float]:
+        """Return the quantities with ``changes``, of the holder and the part as ``MOUTH`` is."""
         replaced = replaced_by(changes)
         kept = {name: v for name, v in self.quantities.items() if name not in replaced}
-        stated = None if "materials" in replaced else self.materials
-        pair = None if stated is None else pair_of(stated)
-        parameters = as_parameters(with_parameters({**kept, **changes}))
-        return with_base(parameters, pair, self.shape)
+        return with_parameters({**kept, **changes})
 
     def changed(self, **changes: float | str) -> "StatedDevice":
         """Return the device with other values and the same tolerances.
@@ -186,11 +193,20 @@ class StatedDevice(Value):
             "start": settings.start or self.start,
             "shape": settings.shape or self.shape,
         }
+        if self.is_chamfered:
+            changes |= {"scene": ALIGNMENT, "insertion_depth": None, "alignment_only": False}
+            if self.insertion_depth is not None or settings.insertion_depth is not None:
+                raise ValueError(f"insertion_depth: leave it out: {FOLLOWED}")
         if self.horizon is not None:
             changes["horizon"] = self.horizon / units.time
         if self.insertion_depth is not None:
             changes["insertion_depth"] = self.insertion_depth / units.amplitude
         return replace(settings, **changes)
+
+    @property
+    def is_chamfered(self) -> bool:
+        """True if the file states a chamfer, be it 0: runs then end at the chamfers."""
+        return not self.quantities.keys().isdisjoint(CHAMFERS)
 
     @property
     def base_is_stated(self) -> bool:
@@ -272,8 +288,8 @@ def load_device(path: Path | str, changes: Mapping[str, object] | None = None) -
         _check_tolerances(stated)
         _check_free(stated)
     except ValueError as error:
-        refusal = NoNeedError if isinstance(error, NoNeedError) else DeviceError
-        raise refusal(f"{path}: {error}") from None
+        needless = isinstance(error, NoNeedError)
+        raise (NoNeedError if needless else DeviceError)(f"{path}: {error}") from None
     return stated
 
 
