@@ -63,7 +63,8 @@ def so_far(trials: "Trials", known: "Known") -> str:
     changes = {**stated.changes, **{name: f"{value:.4g}" for name, value in setting.items()}}
     sets = " ".join(set_options(changes).values())
     return (
-        f"best of {len(known):,} settings so far, by quick trials: {named_words(setting, stated)}; by them "
+        f"best of {len(known):,} settings so far, by quick trials: {named_words(setting, stated)}; "
+        "by them "
         f"it {holds} what is asked. Check it: vibralign assess --device {source} {sets}"
     )
 

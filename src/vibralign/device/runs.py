@@ -23,8 +23,9 @@ from model.runs.engines import Engine
 from model.runs.settings import Settings, settings_with
 from model.runs.simulate import Trajectory
 from vibralign.device.amounts import read_positive
+from vibralign.device.load import load_device
 from vibralign.device.mouth import judged
-from vibralign.device.stated import QUANTITIES, StatedDevice, load_device
+from vibralign.device.stated import QUANTITIES, StatedDevice
 
 Device = Parameters | StatedDevice
 AnyDevice = Device | Path | str

@@ -1,4 +1,4 @@
-"""Devices in SI units, read from YAML files: quantities, tolerances, base, free ranges, limits."""
+"""Devices in SI units as their files state them: quantities, tolerances, base, ranges, limits."""
 
 import difflib
 import math
@@ -7,24 +7,21 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, get_args
-
-import yaml
+from typing import Any
 
 from model.events.scenes import ALIGNMENT
 from model.physics.fields import Bound
-from model.physics.parameters import FIELDS, Parameters, Shape, check_name
+from model.physics.parameters import FIELDS, Parameters, Shape
 from model.physics.quantities import Quantity
 from model.physics.rest import Start
 from model.physics.tables import Value, vars_of
 from model.physics.units import UNITS, Device, Units, device
 from model.runs.settings import Settings
-from model.sweeps import files
-from vibralign.device.amounts import Amount, Tolerance, read_amount, read_range
+from vibralign.device.amounts import Amount, Tolerance, read_amount
 from vibralign.device.base import BASE, pair_of, with_base
 from vibralign.device.fits import play_of
 from vibralign.device.instead import INSTEAD, replaced_by, with_parameters
-from vibralign.device.limits import OF_VIBRATOR, of_vibrator, read_limits
+from vibralign.device.limits import OF_VIBRATOR, of_vibrator
 from vibralign.device.mouth import (
     CHAMFERS,
     GRIPPER_TILT,
@@ -34,9 +31,7 @@ from vibralign.device.mouth import (
     check_not_replaced,
 )
 from vibralign.device.plausibility import (
-    DeviceError,
     DoubtWarning,
-    NoNeedError,
     check_place,
     check_press,
     doubts,
@@ -45,7 +40,7 @@ from vibralign.device.plausibility import (
 _OWN = {**{n: each for n, each in FIELDS.items() if n not in REPLACED}, **UNITS, **MOUTH}
 QUANTITIES = (*UNITS, *(n for n in _OWN if n not in UNITS), *INSTEAD, *BASE)
 FOLLOWED = "a part with chamfers is followed until its face has reached them, no further"
-_BESIDES = ("materials", "fit", "free", "limits", "start", "shape")
+BESIDES = ("materials", "fit", "free", "limits", "start", "shape")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -172,7 +167,7 @@ class StatedDevice(Value):
         """
         for name in changes:
             check_quantity(name)
-        changed = _by_quantity(_amounts(changes, self.quantities.get("frequency")))
+        changed = by_quantity(amounts_of(changes, self.quantities.get("frequency")))
         replaced = replaced_by(changes)
         merged: dict[str, Any] = {
             part: {n: v for n, v in getattr(self, part).items() if n not in replaced} | values
@@ -180,7 +175,7 @@ class StatedDevice(Value):
         }
         materials = None if "materials" in replaced else self.materials
         all_changes: dict[str, object] = {**self.changes, **changes}
-        kept = _kept_amplitude(self.quantities, self.written, changes)
+        kept = kept_amplitude(self.quantities, self.written, changes)
         notes = tuple(dict.fromkeys([*self.notes, *kept]))
         return replace(self, **merged, materials=materials, changes=all_changes, notes=notes)
 
@@ -244,55 +239,6 @@ class StatedDevice(Value):
         return [*self.notes, *found]
 
 
-def load_device(path: Path | str, changes: Mapping[str, object] | None = None) -> StatedDevice:
-    """Return the device in a YAML file as it is stated.
-
-    Args:
-        path: file with lines NAME: VALUE, in SI units or with units.
-        changes: quantities by name that replace the file's, numbers in SI units or text with
-            units. A changed quantity keeps its tolerance unless the text states another. A
-            stiffness or damping also replaces the quantities from which it would be computed, a
-            damping ratio the damping.
-
-    Raises:
-        DeviceError: the file cannot be read, is not YAML, breaks a rule, or makes no sense.
-        NoNeedError: it is a valid device, which needs no alignment.
-    """
-    path, changes = Path(path), {} if changes is None else changes
-    replaced = replaced_by(changes)
-    mapping = {name: value for name, value in _mapping(path).items() if name not in replaced}
-    try:
-        at, now = _one_frequency(mapping), {**mapping, **changes}
-        amounts = _amounts(mapping, at, _diameter(now))
-        others = _amounts(changes, _one_frequency(now), _diameter(now))
-        parts, changed = _by_quantity(amounts), _by_quantity(others)
-        both: dict[str, Any] = {part: each | changed[part] for part, each in parts.items()}
-        stated = StatedDevice(
-            source=path,
-            **both,
-            materials=None if now.get("materials") is None else _text("materials", now),
-            free={n: read_range(n, v, unit_of(n), at) for n, v in _section("free", mapping)},
-            limits=read_limits(_section("limits", mapping)),
-            changes=dict(changes),
-            start=mapping.get("start"),
-            stated_shape=mapping.get("shape"),
-            notes=_kept_amplitude(parts["quantities"], parts["written"], changes),
-        )
-        for name, kind in (("start", Start), ("shape", Shape)):
-            if mapping.get(name) is not None:
-                check_name(str(mapping[name]), get_args(kind), name)
-        # Refuses unknown and missing quantities, before anything is computed from them.
-        known = {n: v for n, v in stated.quantities.items() if n not in BASE}
-        device(as_parameters(with_parameters(known)))
-        stated.admitted({})
-        _check_tolerances(stated)
-        _check_free(stated)
-    except ValueError as error:
-        needless = isinstance(error, NoNeedError)
-        raise (NoNeedError if needless else DeviceError)(f"{path}: {error}") from None
-    return stated
-
-
 def unit_of(name: str) -> str:
     """Return the SI unit of a quantity of a device, "1" if it has none.
 
@@ -334,29 +280,7 @@ def check_quantity(name: str) -> None:
         )
 
 
-class _Loader(files.Loader):  # type: ignore[misc]
-    """Loader of YAML that leaves numbers as text: for YAML 050 is 40, and 1:30 is 90."""
-
-    yaml_implicit_resolvers = {  # noqa: RUF012 - never changed
-        first: [each for each in resolvers if each[0].rpartition(":")[2] in {"bool", "null"}]
-        for first, resolvers in yaml.SafeLoader.yaml_implicit_resolvers.items()
-    }
-
-
-def _mapping(path: Path) -> dict[str, Any]:
-    try:
-        mapping = files.parse_yaml(files.read_text(path), _Loader)
-    except OSError as error:
-        raise DeviceError(f"{path}: cannot be read: {error.strerror}") from None
-    except (ValueError, yaml.YAMLError, TypeError) as error:
-        reason = " ".join(str(error).split())
-        raise DeviceError(f"{path}: cannot be read as YAML: {reason}") from None
-    if not isinstance(mapping, dict):
-        raise DeviceError(f"{path}: must be lines of NAME: VALUE, one for each quantity")
-    return {str(name): value for name, value in mapping.items()}
-
-
-def _kept_amplitude(
+def kept_amplitude(
     values: Mapping[str, float], written: Mapping[str, tuple[str, float]], changes: Iterable[str]
 ) -> tuple[str, ...]:
     """Return a line if an amplitude is stated by an acceleration, and the frequency is changed."""
@@ -373,22 +297,14 @@ def _kept_amplitude(
     return ()
 
 
-def _one_frequency(mapping: Mapping[str, Any]) -> float | None:
-    """Return the frequency in Hz, or None if it is missing, free or has a tolerance."""
-    if mapping.get("frequency") is None or "frequency" in dict(_section("free", mapping)):
-        return None
-    amount = read_amount("frequency", mapping["frequency"], "Hz")
-    return None if amount.tolerance else amount.value
-
-
-def _amounts(
+def amounts_of(
     given: Mapping[str, object], frequency: float | None, diameter: float | None = None
 ) -> dict[str, Amount]:
-    """Return the amounts of what is ``given`` besides ``_BESIDES``; the play of a fit, too."""
+    """Return the amounts of what is ``given`` besides ``BESIDES``; the play of a fit, too."""
     amounts = {
         name: read_amount(name, value, unit_of(name), frequency)
         for name, value in given.items()
-        if name not in _BESIDES
+        if name not in BESIDES
     }
     if given.get("fit") is not None:
         low, high = play_of(given["fit"], diameter or 0.0)
@@ -402,57 +318,10 @@ def _amounts(
     return amounts
 
 
-def _by_quantity(amounts: Mapping[str, Amount]) -> dict[str, dict[str, Any]]:
+def by_quantity(amounts: Mapping[str, Amount]) -> dict[str, dict[str, Any]]:
     """Return values, tolerances and units of amounts, as ``StatedDevice`` has them."""
     return {
         "quantities": {name: each.value for name, each in amounts.items()},
         "tolerances": {n: each.tolerance for n, each in amounts.items() if each.tolerance},
         "written": {n: (each.unit, each.one) for n, each in amounts.items() if each.unit},
     }
-
-
-def _diameter(given: Mapping[str, object]) -> float | None:
-    """Return the stated diameter in m, None without."""
-    for name, times in (("diameter", 1.0), ("half_width", 2.0)):
-        if given.get(name) is not None:
-            return times * read_amount(name, given[name], "m").value
-    return None
-
-
-def _text(name: str, given: Mapping[str, Any]) -> str:
-    if not isinstance(given[name], str):
-        raise ValueError(f"{name} = {given[name]!r}: must be a text")  # noqa: TRY004  (of a file)
-    return given[name]
-
-
-def _section(name: str, mapping: Mapping[str, Any]) -> Iterable[tuple[str, object]]:
-    given = mapping.get(name, {})
-    if not isinstance(given, dict):
-        raise ValueError(f"{name} = {given!r}: must be lines of NAME: VALUE")  # noqa: TRY004
-    return [(str(key), value) for key, value in given.items()]
-
-
-def _check_tolerances(stated: StatedDevice) -> None:
-    """Refuse tolerances within which the part can start wholly beside the slot."""
-    worst = {}
-    for name, sign in (("half_width", -1.0), ("clearance", -1.0), ("misalignment", 1.0)):
-        if name in stated.tolerances:
-            own = stated.quantities[name]
-            spread = stated.tolerances[name].around(own)
-            spread *= 1.0 if stated.tolerances[name].kind == "uniform" else 4.0
-            worst[name] = max(own + sign * spread, 1e-3 * own)
-    try:
-        stated.at(worst)
-    except ValueError as error:
-        raise ValueError(f"at the ends of the tolerances: {error}") from None
-
-
-def _check_free(stated: StatedDevice) -> None:
-    """Refuse ranges with an end that breaks the rule of its quantity."""
-    for name, ends in stated.free.items():
-        for end in ends:
-            try:
-                check_press(end if name == "press_force" else 1.0)
-                stated.at({name: end})
-            except ValueError as error:
-                raise ValueError(f"free: {error}") from None
