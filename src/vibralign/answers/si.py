@@ -8,6 +8,7 @@ import numpy as np
 
 from model.physics.parameters import FIELDS, Parameters
 from model.physics.quantities import (
+    ACCELERATION,
     ANGLE,
     FORCE,
     FREQUENCY,
@@ -33,7 +34,10 @@ _SMALL = {
     LENGTH: ("mm", 1e-3), TIME: ("ms", 1e-3), SPEED: ("mm/s", 1e-3), MASS: ("g", 1e-3),
     INERTIA: ("kg mm²", 1e-6),
 }  # fmt: skip
-_LARGE = {STIFFNESS: [("GN/m", 1e9), ("MN/m", 1e6), ("kN/m", 1e3)], FORCE: [("kN", 1e3)]}
+_LARGE = {
+    STIFFNESS: [("GN/m", 1e9), ("MN/m", 1e6), ("kN/m", 1e3)], FORCE: [("kN", 1e3)],
+    ACCELERATION: [("g", 9.80665)],
+}  # fmt: skip
 _MICRO, _FINE = ("µm", 1e-6), 1e-4  # in drawings: of lengths that are all below 0.1 mm
 _SHOWN = {each.unit: each for each in (LENGTH, TIME, SPEED, STIFFNESS, FORCE)}
 DIGITS = 4

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable, Mapping
+from typing import Any
 
 from model.physics.parameters import check_name
 from model.physics.quantities import ACCELERATION, ANGLE, FORCE, LENGTH, TIME, Quantity
@@ -40,6 +41,6 @@ def read_limits(given: Iterable[tuple[str, object]]) -> dict[str, float]:
     return limits
 
 
-def of_vibrator(amplitude: float, frequency: float) -> dict[str, float]:
+def of_vibrator(amplitude: Any, frequency: Any) -> dict[str, Any]:
     """Return what a vibration (peak in m, Hz) takes of the vibrator, by ``OF_VIBRATOR``."""
     return {"acceleration": amplitude * (math.tau * frequency) ** 2, "stroke": 2.0 * amplitude}

@@ -122,7 +122,8 @@ def _section(name: str, mapping: Mapping[str, Any]) -> Iterable[tuple[str, objec
 def _check_tolerances(stated: StatedDevice) -> None:
     """Refuse tolerances within which the part can start wholly beside the slot."""
     worst = {}
-    for name, sign in (("half_width", -1.0), ("clearance", -1.0), ("misalignment", 1.0)):
+    narrow = dict.fromkeys(("half_width", "diameter", "clearance", "play"), -1.0)
+    for name, sign in {**narrow, "misalignment": 1.0}.items():
         if name in stated.tolerances:
             own = stated.quantities[name]
             spread = stated.tolerances[name].around(own)
