@@ -4,6 +4,7 @@ Kernels may use the widest vectors of the processor. LLVM prefers 256 bits on pr
 which may then run at a higher clock; the loops of the batch engine gain more from the width.
 """
 
+import ctypes
 import functools
 import os
 import threading
@@ -31,6 +32,23 @@ def processor() -> Processor:
     # Another processor may not know the preference.
     wide = ",-prefer-256-bit" if "+avx512f" in features else ""
     return Processor(llvm.get_host_cpu_name(), features + wide)
+
+
+# Registers of vectors, and how many floats each holds; a sum of eight floats uses the widest.
+_REGISTERS = (("zmm", 8), ("ymm", 4), ("xmm", 2), (".2d", 2))
+_SUM = """\
+define <8 x double> @sum(<8 x double> %x) {
+%y = fadd <8 x double> %x, %x
+ret <8 x double> %y
+}
+"""
+
+
+def floats_in_a_vector() -> int:
+    """Return how many floats the widest vectors of the processor hold: 8, 4, 2 or 1."""
+    module = llvm.parse_assembly(_SUM, llvm.create_context())
+    assembly = _machine().emit_assembly(module)
+    return next((count for register, count in _REGISTERS if register in assembly), 1)
 
 
 def written_for() -> str:
@@ -73,6 +91,11 @@ def optimised(text: str, machine: Any, is_finished: bool, context: Any = None) -
     else:
         builder.getModulePassManager().run(module, builder)
     return module
+
+
+def provide(name: str, function: Any) -> None:
+    """Make a function of ctypes one that machine code may call by this name."""
+    llvm.add_symbol(name, ctypes.cast(function, ctypes.c_void_p).value)
 
 
 def load(name: str, machine_code: bytes) -> int:

@@ -7,7 +7,10 @@ A page calls the same entries as Python (compile/entries.py), with arrays in its
 import contextlib
 import hashlib
 import json
+import os
 import shutil
+import subprocess
+import sys
 import tempfile
 from collections.abc import Iterator
 from dataclasses import replace
@@ -19,6 +22,7 @@ from numpy.typing import NDArray
 
 from model.compile.cache import cache_folder
 from model.compile.entries import flattened
+from model.compile.identity import PACKAGE, digest_of
 from model.compile.kernels import inlined_kernel, kernel
 from model.compile.webassembly import web_assembly_of
 from model.engine.lane_events import lane_events_of
@@ -171,6 +175,19 @@ def interface(scene: Scene = INSERTION, shape: Shape = "square") -> dict[str, An
     }
 
 
+WIDTH_OF_PAGES = 2  # WebAssembly's vectors have 128 bits (decision 61)
+
+
+def _compile_apart(folder: Path, shape: Shape) -> None:
+    """Write the modules and their interface into ``folder``, from a process of their own width."""
+    paths = [str(PACKAGE.parent), os.environ.get("PYTHONPATH", "")]
+    variables = {"VIBRALIGN_WIDTH": str(WIDTH_OF_PAGES), "PYTHONPATH": os.pathsep.join(paths)}
+    program = "from model.runs.in_browser import _compile; import pathlib, sys; "
+    program += "_compile(pathlib.Path(sys.argv[1]), sys.argv[2])"
+    arguments = [sys.executable, "-c", program, str(folder), shape]
+    subprocess.run(arguments, env={**os.environ, **variables}, check=True)
+
+
 def _compile(folder: Path, shape: Shape) -> None:
     """Write the modules and their interface into ``folder``."""
     table = interface(shape=shape) | {"functions": {}}
@@ -186,7 +203,7 @@ def _compile(folder: Path, shape: Shape) -> None:
 
 
 def _folder(shape: Shape) -> Path:
-    return cache_folder() / "webassembly" / shape
+    return cache_folder() / "webassembly" / f"{shape}_{digest_of(_compile, WIDTH_OF_PAGES, shape)}"
 
 
 def are_cached(shape: Shape = "square") -> bool:
@@ -204,7 +221,7 @@ def modules(shape: Shape = "square") -> Modules:
     if (kept := _kept(folder)) is not None:
         return kept
     with tempfile.TemporaryDirectory() as made:
-        _compile(Path(made), shape)
+        _compile_apart(Path(made), shape)
         compiled = _kept(Path(made))
         with contextlib.suppress(OSError):  # a read-only cache, or another process was faster
             shutil.rmtree(folder, ignore_errors=True)  # damaged

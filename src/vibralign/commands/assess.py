@@ -125,7 +125,7 @@ def _assess(arguments: argparse.Namespace) -> int:
         )
         return int(not met)
     units = None if arguments.dimensionless else given.units
-    source = "the study's, dimensionless (no --device)"
+    source = "the paper's, dimensionless (no --device)"
     if stated is not None:
         source = source_words(stated)
     groups = {"Verdict": [*_verdict(result, units, device, settings), *limit_lines(limits)]}

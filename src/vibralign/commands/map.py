@@ -1,7 +1,6 @@
 """``vibralign map``: compute a stability map over any two parameters of any device."""
 
 import argparse
-import importlib.util
 import math
 import os
 from collections.abc import Mapping, Sequence
@@ -43,7 +42,6 @@ if TYPE_CHECKING:
     from model.sweeps.settings import Ensemble
     from model.sweeps.sweep import Sweep
 
-_NEEDED = ("netCDF4", "scipy", "xarray")
 _FINEST = 1025
 _DEFAULT = 129
 
@@ -76,11 +74,6 @@ def add(commands: Any) -> None:
 
 
 def _map(arguments: argparse.Namespace) -> int:
-    missing = [name for name in _NEEDED if importlib.util.find_spec(name) is None]
-    if missing:
-        raise ValueError(
-            f"map needs {', '.join(missing)}, not installed: pip install 'vibralign[study]'"
-        )
     check_file(arguments.out, "--out", ["nc"])
     if arguments.plot is not None:
         check_picture(arguments.plot)

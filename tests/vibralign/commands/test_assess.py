@@ -85,7 +85,7 @@ def test_a_failing_start_is_named_with_a_remedy(capsys):
     lines = said(
         capsys, *COARSE, "--set", "tilt_stiffness=2", "--set", "press_force=8"
     ).splitlines()
-    assert lines[0] == "device          the study's, dimensionless (no --device)"
+    assert lines[0] == "device          the paper's, dimensionless (no --device)"
     assert lines[1].startswith("verdict         not reliable at the stated values; ")
     assert lines[2] == "starts          goes in from 0 of 32 starts"
     example = next(i for i, line in enumerate(lines) if line.startswith("for example"))
