@@ -314,7 +314,7 @@ def _at_each_tilt(
 
 def _tilt_range(
     device: Parameters | StatedDevice, ensemble: Ensemble, settings: Settings, cores: int
-) -> Leeway:
+) -> Leeway | None:
     """Return the leeway of the gripper's tilt of a device that is reliable at its own."""
     cases = cases_of(device, ensemble, varied=ADDED)
 
@@ -324,7 +324,7 @@ def _tilt_range(
     def is_late(values: Values) -> NDArray[np.bool_]:
         return are_late(device, values, cases, settings, cores)
 
-    return leeways(device, is_reliable, is_late, (*UNITS, *VARIED))[0]
+    return next(iter(leeways(device, is_reliable, is_late, (*UNITS, *VARIED))), None)
 
 
 def _if_square(

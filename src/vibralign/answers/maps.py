@@ -15,9 +15,9 @@ from model.physics.quantities import ANGLE, PLAIN
 from model.sweeps.axes import Axis, check_plane
 from model.sweeps.settings import Ensemble, RunSettings
 from model.sweeps.sweep import Columns, Group, Sweep
-from vibralign.answers.cases import OF_BASE, cases_of
+from vibralign.answers.cases import cases_of
 from vibralign.device.batches import by_settings, devices_of, rows_of
-from vibralign.device.mouth import judged
+from vibralign.device.mouth import GRIPPER_TILT, judged
 from vibralign.device.stated import StatedDevice, check_quantity, quantity_of
 
 _VARIABLES = (
@@ -51,7 +51,7 @@ class DeviceMap(Sweep):
     def start_values(self, ensemble: Ensemble) -> dict[str, list[float]]:
         """Return the tilts of the gripper, unless they are an axis, and the phases."""
         cases = cases_of(self.device, ensemble, varied=self.swept)
-        names = [name for name in cases[0] if name not in OF_BASE]
+        names = [name for name in (GRIPPER_TILT, "phase") if name in cases[0]]
         return {name: list(dict.fromkeys(each[name] for each in cases)) for name in names}
 
     def judged(self, results: Columns, batch: Batch) -> Columns:

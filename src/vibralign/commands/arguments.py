@@ -116,6 +116,11 @@ class Inputs:
     parameters: Parameters  # of the device, dimensionless
     settings: Settings  # of its runs
 
+    @property
+    def values(self) -> dict[str, float | None]:
+        """Quantities of the device in SI units, or its parameters."""
+        return self.parameters.given() if self.stated is None else {**self.stated.values}
+
 
 def read_inputs(arguments: argparse.Namespace) -> Inputs:
     """Return the device and the settings of a command, and warn of doubtful values.

@@ -109,7 +109,8 @@ def _page(given: Inputs, units: Units | None, file: str, assumed: Mapping[str, s
 
     parameters, settings = given.parameters, given.settings
     table = interface(settings.scene, settings.shape or "square")
-    model = device_model(parameters, units, file, settings, table, assumed=assumed)
+    values = given.values if units else parameters.given()
+    model = device_model(values, units, file, settings, table, assumed=assumed)
     return run_page(model, trace_run(parameters, settings))
 
 

@@ -98,13 +98,6 @@ def start_of(misalignment: Any, half_height: Any, tilt: Any) -> dict[str, Any]:
     return {"misalignment": x, "initial_tilt": tilt, "rest_tilt": tilt}
 
 
-def at_mouth(parameters: Mapping[str, Any]) -> dict[str, Any]:
-    """Return ``MOUTH`` in place of the parameters of a device: ``as_parameters`` backwards."""
-    kept = {name: each for name, each in parameters.items() if name not in REPLACED}
-    start = {"misalignment": middle_of_face(parameters), GRIPPER_TILT: parameters["initial_tilt"]}
-    return kept | start
-
-
 def middle_of_face(parameters: Mapping[str, Any]) -> Any:
     """Return where the middle of the bottom face is at the start, x(0) + b sin φ(0)."""
     tilt = parameters.get("initial_tilt", 0.0)

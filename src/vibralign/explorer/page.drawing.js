@@ -81,20 +81,28 @@ function spring(g, from, to) {
 /** @param {CanvasRenderingContext2D} g @param {Place} place @param {{x: number, y: number, tilt: number}} pose @param {any} device */
 function outline(g, place, pose, device) {
   const [s, c] = [Math.sin(pose.tilt), Math.cos(pose.tilt)], a = device.half_width, b = device.half_height;
+  const w = a + device.peg_chamfer, low = device.peg_chamfer - b;
   g.beginPath();
-  for (const [u, v] of [[-a, -b], [a, -b], [a, b], [-a, b]]) g.lineTo(...place(pose.x + u * c - v * s, pose.y + u * s + v * c));
+  for (const [u, v] of [[-a, -b], [a, -b], [w, low], [w, b], [-w, b], [-w, low]]) g.lineTo(...place(pose.x + u * c - v * s, pose.y + u * s + v * c));
   g.closePath();
 }
 
-/** Draw the base with its slot. @param {CanvasRenderingContext2D} g @param {Place} place @param {number} slot @param {number[]} box */
-function drawBase(g, place, slot, [left, top, width, height]) {
-  const [edge, ground] = place(slot, 0), [other] = place(-slot, 0);
+/** Draw the base with its slot, whose mouth a chamfer widens. @param {CanvasRenderingContext2D} g @param {Place} place @param {any} device @param {number[]} box */
+function drawBase(g, place, { slot_half_width: mouth, hole_chamfer: chamfer }, [left, top, width, height]) {
+  const slot = mouth - chamfer, [edge, ground] = place(slot, 0), [other] = place(-slot, 0);
   g.fillStyle = COLOURS.base;
   g.strokeStyle = COLOURS.ink;
   g.lineWidth = 1.5;
   for (const [from, to, lip] of [[left, other, other], [edge, left + width, edge]]) {
     g.fillRect(from, ground, to - from, top + height - ground);
     line(g, [from === lip ? left + width : left, ground], [lip, ground], [lip, top + height]);
+  }
+  for (const side of chamfer ? [-1, 1] : []) {
+    g.fillStyle = "#ffffff";
+    g.beginPath();
+    for (const at of [place(side * mouth, 0), place(side * slot, 0), place(side * slot, -chamfer)]) g.lineTo(...at);
+    g.fill();
+    line(g, place(side * mouth, 0), place(side * slot, -chamfer));
   }
   g.strokeStyle = COLOURS.faint;
   g.lineWidth = 0.75;
@@ -169,7 +177,7 @@ function drawScene(g, width, height, frame, device, options) {
     g.clip();
     /** @type {Place} */
     const place = (x, y) => [left + wide / 2 + unit * x, height - below - unit * y];
-    drawBase(g, place, device.slot_half_width, [left, 0, wide, height]);
+    drawBase(g, place, device, [left, 0, wide, height]);
     const pose = drawnPose(frame, device, options.exaggeration);
     if (options.ghost) {
       outline(g, place, drawnPose(options.ghost, device, options.exaggeration), device);
