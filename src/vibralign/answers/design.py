@@ -28,7 +28,6 @@ from vibralign.answers.design_trials import MEASURES, Check, Row, Trials
 from vibralign.answers.reliability import Floats
 from vibralign.answers.yields import check_devices, interval
 from vibralign.device import StatedDevice, Tolerance
-from vibralign.device.limits import OF_VIBRATOR
 from vibralign.device.runs import AnyDevice, device_of
 from vibralign.device.stated import unit_of
 
@@ -168,17 +167,17 @@ class Design(Value):
     def limiting(self) -> list[Limiting]:
         """What keeps the recommended setting from the limits, or from a larger margin.
 
-        First what it exceeds, then the limits and ends of ranges that it is ``NEAR`` to, then the
-        tolerances within which some devices fail, and not all.
+        If no setting keeps the limits, these are all of them, those first that it exceeds; else the
+        limits that it is ``NEAR`` to. Then come the ends of ranges that it is ``NEAR`` to, and the
+        tolerances, if some devices fail within them, and not all.
         """
         share = float(self.tried.share[self.best])
         excess = {
             name: float(self.tried.excess({name: limit})[self.best])
             for name, limit in self.limits.items()
-            if share > 0.0 or name in OF_VIBRATOR
         }
         found = [Limiting("limit", name, passed=each > 0.0) for name, each in excess.items()
-                 if each > 0.0 or (each > -NEAR and name != "vibration")]  # fmt: skip
+                 if not self.feasible or (each > -NEAR and name != "vibration")]  # fmt: skip
         found.sort(key=lambda each: (not each.passed, excess[each.name]))
         for name, (low, high) in self.free.items():
             near = NEAR * (high - low) if share > 0.0 else math.inf

@@ -1,7 +1,7 @@
 """Changes of what limits a design; each is tried.
 
-A limit that is exceeded is left out, and the setting sought that needs least of it; one that is
-near is widened by ``STEP``. A range is widened by ``STEP`` of its width beyond an end: the best
+If no setting keeps the limits, each is left out, and the setting sought that needs least of it;
+else one that is near is widened by ``STEP``. A range is widened by ``STEP`` of its width beyond an end: the best
 settings are tried quickly with values of that quantity beyond it. A tolerance is halved. What is
 said of a change is what the check of its setting found.
 """
@@ -43,7 +43,8 @@ def attempted(trials: Trials, design: Design, known: Known, of: Limiting) -> Cha
     Raises:
         SpentError: it takes more runs than are left to the trials.
     """
-    kind, name, passed = of
+    kind, name, _ = of
+    left_out = kind == "limit" and not design.feasible
     stated, rank, most, value = trials.stated, None, _CHECKS, 0.0
     if kind == "tolerance":
         whole = stated.tolerances[name]
@@ -55,12 +56,12 @@ def attempted(trials: Trials, design: Design, known: Known, of: Limiting) -> Cha
     elif kind == "limit":
         others = {each: limit for each, limit in design.limits.items() if each != name}
         value = (1.0 + STEP) * design.limits[name]
-        stated = replace(stated, limits=others if passed else {**others, name: value})
+        stated = replace(stated, limits=others if left_out else {**others, name: value})
 
         def least(tried: Tried) -> Floats:
             return tried.measures[name]
 
-        rank = least if passed and name != "vibration" else None
+        rank = least if left_out and name != "vibration" else None
     else:
         beyond = _beyond_end(trials, design, of)
         if beyond is None:
@@ -68,7 +69,7 @@ def attempted(trials: Trials, design: Design, known: Known, of: Limiting) -> Cha
         stated, more, value = replace(stated, free=beyond[0]), *beyond[1:]
         known = {**known, **more}
     found = checked(replace(trials, stated=stated), known, rank, most)
-    if kind == "limit" and passed:
+    if left_out:
         return Change(of, float(found.tried.measures[name][found.best]), found, found.feasible)
     now, before = (float(each.tried.score(found.limits)[each.best]) for each in (found, design))
     return Change(of, value, found, found.feasible and now < before)

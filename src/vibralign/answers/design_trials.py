@@ -36,7 +36,6 @@ from vibralign.device.limits import OF_VIBRATOR, of_vibrator
 from vibralign.device.stated import bound_of
 
 POINTS = 16  # devices drawn within the tolerances of a setting, a power of two
-FIRST = 4  # of these, tried first
 LINES = 8  # on which the nearest failing device is sought
 QUARTERS = 4  # the quick trial takes one start of every four
 SCALES = (1.0, 2.0, 3.0)  # distances along a line that are tried, in tolerances
@@ -128,7 +127,7 @@ class Trials:
         goes_in = np.full((len(points), len(inner)), np.nan)
         measures = {name: np.full(len(points), np.nan) for name in MEASURES[:3]}
         good, first = np.flatnonzero(may), 0
-        for last in (1 + FIRST, len(inner)):
+        for last in (1 + POINTS // 4, len(inner)):
             turns = np.arange(first, last)
             values = self._values(np.repeat(points[good], last - first, axis=0),
                                   np.tile(inner[first:last], (len(good), 1)))  # fmt: skip

@@ -98,8 +98,8 @@ def _design(arguments: argparse.Namespace) -> int:
     )  # fmt: skip
     announce_compilation()
     known: Known = {}
-    print(f"vibralign: {_forecast(trials, generations, population)}", file=sys.stderr, flush=True)
     try:
+        print(f"vibralign: {_forecast(trials, generations, population)}", file=sys.stderr)
         with ProgressLine() as line:
             design, _ = search(trials, generations, population, line.begin, known)
             line.begin("recommended setting, as assess has it")
@@ -131,7 +131,7 @@ def _forecast(trials: "Trials", generations: int, population: int) -> str:
     few.quick(middle)  # compiled, or read from the cache
     began, before = time.perf_counter(), few.runs.taken
     few.quick(middle)
-    rate = (few.runs.taken - before) / max(time.perf_counter() - began, 1e-3)
+    rate = max((few.runs.taken - before) / max(time.perf_counter() - began, 1e-3), 1.0)
     most = trials.most_runs(population * (generations + 1))
     minutes = most / rate / 60.0
     words = f"some {minutes:.0f} minutes" if minutes >= 1.0 else "less than a minute"

@@ -32,10 +32,8 @@ class Answer(NamedTuple):
         """The verdict on the recommended setting, as ``assess`` gives it."""
         check = self.design.check
         if check is not None and check.devices:
-            words = [_excess(self.design, name) for name in _exceeded(self.design)]
-            return headline(self.assessed, check) + (
-                (words and f", but {' and '.join(words)}") or ""
-            )
+            excess = " and ".join(_excess(self.design, name) for name in _exceeded(self.design))
+            return headline(self.assessed, check) + (f", but {excess}" if excess else "")
         words = headline(self.assessed, None).partition(";")[0]
         return f"{words}; no others within the tolerances were tried"
 
@@ -169,7 +167,8 @@ def _change_words(answer: Answer, of: "Limiting") -> str:
     if kind == "tolerance":
         return f"half the tolerance of {name}"
     if kind == "limit":
-        return f"limit of {name}{' left out' if passed else ' half as much again'}"
+        change = "half as much again" if answer.design.feasible else "left out"
+        return f"limit of {name}{', exceeded:' if passed else ''} {change}"
     low, high = answer.design.free[name]
     end, way = (low, "down from") if kind == "lower end" else (high, "up from")
     return f"{name} {way} {written_words(name, end, answer.trials.stated)}"
@@ -180,14 +179,15 @@ def _gives(answer: Answer, change: "Change | None", changes: Changes) -> str:
     if change is None:
         return f"not tried ({changes.why})" if changes.why else "not possible"
     if not change.better:
-        return "not enough alone (tried)" if change.of.passed else "no better (tried)"
+        enough = answer.design.feasible or change.of.kind.endswith("end")
+        return "no better (tried)" if enough else "not enough alone (tried)"
     tried, best = change.design.tried, change.design.best
     margin = tried.margin[best]
     parts = ["margin 3 tolerances or more" if margin >= 3.0 else f"margin {margin:.2g} tolerances"]
     for name in ("time", "contact_force", "tilt"):
         value = float(tried.measures[name][best])
         parts.append(f"{name} {si_words(value, LIMITS[name][1])}")
-    if change.of.passed and change.of.name in answer.design.limits and change.of.name in LIMITS:
+    if change.of.kind == "limit" and change.of.name in LIMITS:
         parts[0] = f"{_more(change.value, answer.design.limits[change.of.name])}, {parts[0]}"
     setting = named_words(change.design.setting, answer.trials.stated)
     return f"{', '.join(parts)} with {setting} (tried)"

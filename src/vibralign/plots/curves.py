@@ -278,8 +278,8 @@ def draw_settings(dataset: xr.Dataset, why: str = "") -> Figure:
             (kept, "o", style.BLUE, "goes in and keeps the limits, by a quick trial"),
         ):
             axes.plot(x[chosen], y[chosen], mark, color=colour, markersize=4, label=words)
-        star = {"color": style.VERMILLION, "markersize": 13}
-        axes.plot(x[best], y[best], "*", label="nearest to it" if why else "recommended", **star)
+        words = "nearest to it" if why else "recommended"
+        axes.plot(x[best], y[best], "*", color=style.VERMILLION, markersize=13, label=words)
         for set_label, each in ((axes.set_xlabel, x), (axes.set_ylabel, y)):
             words = each.attrs["long_name"].removeprefix("setting: ")
             set_label(f"{words} ({each.attrs['units']})".removesuffix(" (1)"))
