@@ -8,7 +8,7 @@
 # make hold-out   the search on half of the figures, judged by the other half: some minutes
 # make fuzz       random sets over the whole domain of the parameters; SETS=1000000 for a million, to
 #                 which finished parts count; SCENE=insertion for devices that fall in
-# make truth      alignment times against heyoka and MuJoCo, in the environment of `make bench`
+# make truth      alignment times against heyoka, in the environment of `make bench`
 # make truth-round  the table of round pegs, in three dimensions, in the same environment: an hour
 # make bench      speed against other integrators, in an environment of its own (about 15 minutes);
 #                 BENCH_FLAGS=--quick for a rough table in three
@@ -136,17 +136,17 @@ nightly: environment
 
 # PYTHONPATH in place of an installation: the environment has no vibralign.
 bench: environment-bench
-	PYTHONPATH=src .venv-bench/bin/python -m benchmarks $(BENCH_FLAGS)
+	PYTHONPATH=src .venv-bench/bin/python -m verification.bench $(BENCH_FLAGS)
 
 TRUTH_FLAGS ?=
 truth: environment-bench
-	PYTHONPATH=src .venv-bench/bin/python -m benchmarks.truth $(TRUTH_FLAGS)
+	PYTHONPATH=src .venv-bench/bin/python -m verification.bench.truth $(TRUTH_FLAGS)
 
 # The table of round pegs against a reference in three dimensions, which `make test` reads: an hour;
 # ROUND_FLAGS="--points 2 3" for some of its rows.
 ROUND_FLAGS ?=
 truth-round: environment-bench
-	PYTHONPATH=src .venv-bench/bin/python -m benchmarks.truth_round $(ROUND_FLAGS)
+	PYTHONPATH=src .venv-bench/bin/python -m verification.round.table $(ROUND_FLAGS)
 
 # ---------------------------------------------------------------------------------- the environment
 

@@ -11,7 +11,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 STATED = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
-OWN = {"model", "vibralign", "study", "benchmarks", "verification", "docs", "tests"}
+OWN = {"model", "vibralign", "study", "verification", "docs", "tests"}
 DISTRIBUTIONS = {
     "PIL": "pillow",
     "yaml": "pyyaml",
@@ -21,8 +21,7 @@ GROUPS: dict[str, tuple[str, ...]] = {  # of each folder, besides the dependenci
     "src/vibralign": (),
     "src/study": ("study",),
     "workflow": ("study",),
-    "verification": ("study",),
-    "benchmarks": ("study", "bench"),
+    "verification": ("study", "bench"),
     "docs": ("docs",),
     "examples": (),
     "tests": ("study", "dev"),

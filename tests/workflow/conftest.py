@@ -238,7 +238,7 @@ class Workspace:
 
     @property
     def sources(self) -> str:
-        """Folder from which the package, verification and benchmarks are imported."""
+        """Folder from which the packages and verification are imported."""
         return sources_of(self.checkout)
 
     @property
