@@ -114,7 +114,7 @@ def _assess(arguments: argparse.Namespace) -> int:
     if arguments.json:
         print_json(
             _record(result, given.units)
-            | tip_record(result.forces["edge"] * si.scale(given.units, FORCE), settings)
+            | tip_record(result.forces.get("edge", 0.0) * si.scale(given.units, FORCE), settings)
             | {"verdict": verdict}
             | unvibrated_record(device, settings)
             | si.natural_record(device, given.units)
