@@ -399,4 +399,4 @@ def impact_speed(run: Trajectory) -> float:
         point_x_rate = x_rate + tilt_rate * y
         point_y_rate = y_rate + tilt_rate * (edge - x)
         rates.append(point_x_rate * math.sin(tilt) - point_y_rate * math.cos(tilt))
-    return float(max(rates, default=0.0))
+    return float(max([0.0, *rates]))

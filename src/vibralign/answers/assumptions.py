@@ -179,10 +179,12 @@ def _base(parameters: Parameters, stated: StatedDevice | None) -> str:
 
 
 def _horizon(settings: Settings, units: Units | None) -> str:
-    in_units = f"{settings.horizon:.4g} units of 1/p"
-    if units is None:
-        return in_units
-    return f"{si_words(settings.horizon * units.time, TIME)} ({in_units})"
+    words = f"{settings.horizon:.4g} units of 1/p"
+    if units is not None:
+        words = f"{si_words(settings.horizon * units.time, TIME)} ({words})"
+    if settings.success is Outcome.INSERTED:
+        words += " until alignment, and as long again until insertion"
+    return words
 
 
 def _precision(settings: Settings, *, counted: bool) -> str:

@@ -1,9 +1,9 @@
 """Changes of what limits a design; each is tried.
 
 If no setting keeps the limits, each is left out, and the setting sought that needs least of it;
-else one that is near is widened by ``STEP``. A range is widened by ``STEP`` of its width beyond an end: the best
-settings are tried quickly with values of that quantity beyond it. A tolerance is halved. What is
-said of a change is what the check of its setting found.
+else one that is near is widened by ``STEP``. A range is widened by ``STEP`` of its width beyond an
+end: the best settings are tried quickly with values of that quantity beyond it. A tolerance is
+halved. What is said of a change is what the check of its setting found.
 """
 
 from dataclasses import dataclass, replace

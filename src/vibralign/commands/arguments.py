@@ -66,7 +66,8 @@ def add_model_options(
     words = "depth at which a part counts as inserted, in metres with --device; needs --scene "
     words += "insertion (default: half of what the press reaches, and at most the half-width)"
     add("--insertion-depth", metavar="DEPTH", help=words)
-    words = "latest time, in seconds with --device, else in units of 1/p (default: 300/p)"
+    words = "latest time until alignment, and as long again until insertion; in seconds with "
+    words += "--device, else in units of 1/p (default: 300/p)"
     add("--horizon", metavar="H", help=words)
     add("--tolerance", metavar="T", help="local error of a step (default: 1e-10)")
 

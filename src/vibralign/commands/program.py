@@ -60,6 +60,8 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Refuse in one line, without the usage."""
+        if "unrecognized arguments" in message and re.search(r"\.ya?ml\b", message):
+            message += ": a device file follows --device"
         self.exit(REFUSED, f"{self.prog}: error: {message} (see {self.prog} --help)\n")
 
     def format_help(self) -> str:

@@ -82,7 +82,7 @@ def _mapping(path: Path) -> dict[str, Any]:
         mapping = files.parse_yaml(files.read_text(path), _Loader)
     except OSError as error:
         raise DeviceError(f"{path}: cannot be read: {error.strerror}") from None
-    except (ValueError, yaml.YAMLError, TypeError) as error:
+    except (ValueError, yaml.YAMLError, TypeError, RecursionError) as error:
         reason = " ".join(str(error).split())
         raise DeviceError(f"{path}: cannot be read as YAML: {reason}") from None
     if not isinstance(mapping, dict):

@@ -23,6 +23,7 @@ from vibralign.device.mouth import (
 )
 from vibralign.device.spelling import in_per_cent
 
+DISTRUSTED = "do not trust the verdict"
 _LONGEST = 1.0  # m
 # Moment of inertia over that of a rectangle of the same mass, m(a² + b²)/3. A solid cylinder has at
 # least 0.75, a solid ellipsoid 0.6, and a gripper adds to it. Whole sizes for half ones give 1/4.
@@ -198,7 +199,7 @@ def _lever(given: Mapping[str, float], device: Device, shape: Shape) -> Iterator
         yield (
             f"soft base: at contact_stiffness = {given['contact_stiffness']:.4g} N/m, stated or "
             "taken, the contact yields about as much as the lever of the press is long, which may "
-            f"be {100.0 * doubt:.2g} % longer: do not trust the verdict"
+            f"be {100.0 * doubt:.2g} % longer: {DISTRUSTED}"
         )
 
 

@@ -262,7 +262,7 @@ def test_an_interrupt_of_the_search_prints_the_best_so_far(capsys, peg, tmp_path
         r"best of 5 settings so far, .*: tilt_stiffness = (\S+) N m/rad; by them it", told
     )
     command = f"vibralign assess --device {given[2]} --set 'contact_stiffness=300 kN/m' "
-    assert f"Check it: {command}--set tilt_stiffness={best[1]}\n" in told
+    assert f"Check it: {command}--set 'tilt_stiffness={best[1]} N m/rad'\n" in told
     assert told.endswith("vibralign: interrupted\n")
     calls[:] = [None] * 3
     assert cli.main(given) == cli.INTERRUPTED
