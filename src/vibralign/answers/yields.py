@@ -31,7 +31,7 @@ DEVICES = 4096  # a power of two
 DIGITS = 6  # of the values of a drawn device
 INDEX_POINTS = 256  # points of the Sobol' indices, a power of two
 INDEX_STARTS = 4  # the indices take every fourth start
-WIDEST = 0.5  # interval of an index that is known
+WIDEST = 0.6  # interval of an index that is known
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -228,7 +228,7 @@ class StatedDevice(Value):
         """Lines on values that are possible but probably not meant."""
         found = doubts({**self.values, **self.quantities}, self.device, self.shape)
         drive = of_vibrator(self.units.amplitude, self.quantities["frequency"])
-        for name in OF_VIBRATOR & self.limits.keys():
+        for name in (each for each in OF_VIBRATOR if each in self.limits):
             if drive[name] > self.limits[name]:
                 found.append(f"the vibration exceeds the vibrator's limit of {name}")
         if self.stated_shape is None:
