@@ -6,8 +6,8 @@ from typing import Any, get_args
 
 import yaml
 
+from model.physics.approach import Start
 from model.physics.parameters import Shape, check_name
-from model.physics.rest import Start
 from model.physics.units import device
 from model.sweeps import files
 from vibralign.device.amounts import read_amount, read_range

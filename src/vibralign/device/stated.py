@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from model.events.scenes import ALIGNMENT
+from model.physics.approach import Start
 from model.physics.fields import Bound
 from model.physics.parameters import FIELDS, Parameters, Shape
 from model.physics.quantities import Quantity
-from model.physics.rest import Start
 from model.physics.tables import Value, vars_of
 from model.physics.units import UNITS, Device, Units, device
 from model.runs.settings import Settings
