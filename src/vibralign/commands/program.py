@@ -18,7 +18,7 @@ from typing import Any, NoReturn, TextIO
 
 from model.sweeps.version import version
 from vibralign.commands.files import WriteError
-from vibralign.device import DoubtWarning
+from vibralign.doubts import DoubtWarning
 
 DONE, FAILED, REFUSED, INTERRUPTED = 0, 1, 2, 130
 

@@ -2,7 +2,7 @@
 
 from vibralign.device.amounts import Tolerance
 from vibralign.device.load import load_device
-from vibralign.device.plausibility import DeviceError, DoubtWarning
+from vibralign.device.plausibility import DeviceError
 from vibralign.device.stated import StatedDevice
 
-__all__ = ["DeviceError", "DoubtWarning", "StatedDevice", "Tolerance", "load_device"]
+__all__ = ["DeviceError", "StatedDevice", "Tolerance", "load_device"]

@@ -56,10 +56,6 @@ class NoNeedError(DeviceError):
     """A device that needs no alignment: the face of the part starts within the hole."""
 
 
-class DoubtWarning(UserWarning):
-    """A value of a device that is possible but probably not meant, or an answer to distrust."""
-
-
 def check_press(force: float) -> None:
     """Refuse a press force in N that is not > 0."""
     if not force > 0.0:

@@ -31,11 +31,11 @@ from vibralign.device.mouth import (
     check_not_replaced,
 )
 from vibralign.device.plausibility import (
-    DoubtWarning,
     check_place,
     check_press,
     doubts,
 )
+from vibralign.doubts import DoubtWarning
 
 _OWN = {**{n: each for n, each in FIELDS.items() if n not in REPLACED}, **UNITS, **MOUTH}
 QUANTITIES = (*UNITS, *(n for n in _OWN if n not in UNITS), *INSTEAD, *BASE)

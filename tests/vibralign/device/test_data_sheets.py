@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from model.sweeps.settings import Ensemble
-from vibralign import load_device, reliable_at, simulate, sweep
+from vibralign import DoubtWarning, load_device, reliable_at, simulate, sweep
 from vibralign.answers.cases import cases_of, on_bases
 from vibralign.answers.si import named_words
 from vibralign.answers.yields import drawn
-from vibralign.device import DeviceError, DoubtWarning
+from vibralign.device import DeviceError
 from vibralign.device.batches import devices_of
 from vibralign.device.fits import play_of
 from vibralign.device.instead import INSTEAD

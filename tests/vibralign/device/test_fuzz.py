@@ -26,7 +26,8 @@ UNITS = {
     "amplitude": {"": 1.0, "mm": 1e-3, "µm": 1e-6, "mm p-p": 0.5e-3, "mm rms": math.sqrt(2e-6)},
     "frequency": {"": 1.0, "Hz": 1.0, "hz": 1.0, "rpm": 1.0 / 60.0, "rad/s": 0.5 / math.pi},
     "press_force": {"": 1.0, "N": 1.0, "kN": 1e3, "lb": 9.80665 * POUND},
-    **dict.fromkeys(("diameter", "length"), {"": 1.0, "mm": 1e-3, "in": INCH, "mil": 1e-3 * INCH}),
+    "diameter": {"": 1.0, "mm": 1e-3, "in": INCH, "mil": 1e-3 * INCH},
+    "length": {"": 1.0, "cm": 1e-2, "mm": 1e-3},
     "inertia": {"": 1.0, "kg m²": 1.0, "kgmm²": 1e-6, "g cm2": 1e-7},
     "friction": {"": 1.0, "%": 0.01},
     "play": {"": 1.0, "mm": 1e-3, "um": 1e-6},
@@ -37,7 +38,7 @@ SPOILT = (
     "", "~", "[1, 2]", "{a: 1}", "&a [*a]", "true", "soon", "0,5", "1 000", "5 foo", "nan", "inf",
     "-.inf", "1e999", "5 %%", "± 5 %", "1 to 2", "1 ± 2 ± 3", "0x10", "!!python/name:os.system",
     "'\\u0000'", "1 grad", "1 gr", "5 N m", "3 mm/s/s/s", "1:30", "|\n  1\n  2", "<!--", "\t1",
-    "1 ± nan", "-0", "1 +0.1/-0.2", "(1 ± 0.1) (2)", "⅓", "1²", "١", "1e5000 mm", "5 N;rm -rf",
+    "1 ± nan", "-0", "1 +0.1/-0.2", "(1 ± 0.1) (2)", "⅓", "1²", "1e5000 mm", "5 N;rm -rf",
 )  # fmt: skip
 BESIDES = (
     "materials: steel on steel\nedge_radius: 0.1 mm", "materials: [steel]", "fit: [H7]",
@@ -80,12 +81,15 @@ def test_a_file_is_read_as_it_is_meant_or_refused_in_one_line(file, tmp_path):
     content, meant, spoilt, besides = file
     path = tmp_path / "peg.yaml"
     path.write_bytes(content)
+    stated, words = None, ""
     try:
         stated = load_device(path)
     except DeviceError as refusal:
-        assert str(refusal).startswith(f"{path}: ")
-        assert "\n" not in str(refusal)
-        assert spoilt or besides or "UTF-8" in str(refusal) or "unknown unit" in str(refusal)
+        words = str(refusal)
+    if stated is None:
+        assert words.startswith(f"{path}: ")
+        assert "\n" not in words
+        assert spoilt or besides or "UTF-8" in words or "unknown unit" in words
         return
     for name, value in meant.items():
         if name in stated.quantities:
