@@ -4,7 +4,7 @@ from pathlib import Path
 
 from model.runs.in_browser import module_for
 from model.sweeps.files import write_json
-from study.tracking.job import recorded, snakemake
+from study.tracking.records import recorded, snakemake
 
 with recorded(snakemake):
     made = module_for()
