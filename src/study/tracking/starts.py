@@ -20,8 +20,7 @@ from typing import Any
 
 from snakemake.common import NOTHING_TO_BE_DONE_MSG
 from snakemake.exceptions import WorkflowError
-from snakemake.logging import logger
-from snakemake_interface_logger_plugins.common import LogEvent
+from snakemake.logging import LogEvent, logger
 
 from model.sweeps.files import write_json
 from study.tracking import TrackingError
@@ -39,7 +38,8 @@ class Start(logging.Filter):
     def __init__(self, workflow: Any, root: Path) -> None:
         super().__init__()
         self.study: Record = {}  # the configuration, set when it is known
-        self._workflow, self._root = workflow, root
+        self._workflow, self._shown = workflow, root
+        self._root = root.absolute()  # Snakemake goes back to another folder before it ends
         self._began = datetime.now(UTC)
         self._record: Record = {}
         self._outcome, self._error, self._looked = "interrupted", "", False
@@ -63,7 +63,7 @@ class Start(logging.Filter):
     def _begin(self) -> None:
         """Lock the results root and record the start, before Snakemake looks at its files."""
         refuse_held_jobs(Path.cwd())
-        lock = lock_root(self._root)
+        lock = lock_root(self._shown)
         for part in self._root.rglob(".*.part"):  # of killed jobs
             part.unlink()
         end_of_killed(self._root)
@@ -128,7 +128,7 @@ class Start(logging.Filter):
             say(f"the end of this start could not be recorded: {error}")
             return
         for each in ended["failures"]:
-            say(f"{each['run']} {each['status']}: {each['reason']} ({self._root / each['log']})")
+            say(f"{each['run']} {each['status']}: {each['reason']} ({self._shown / each['log']})")
 
 
 def _refusing(step: Callable[[], object]) -> None:
