@@ -5,6 +5,8 @@ order 4 makes a short step, after which the loads differ from zero. Where the ra
 no numbers either, or no step is short enough, the run fails.
 """
 
+from math import sqrt
+
 from model.compile.kernels import inlined_kernel, separate_kernel
 from model.engine.carried_error import DISPLACEMENT, NO_ERROR, size_of
 from model.engine.lifecycle import carries_error, end_step, fail, note_step
@@ -54,6 +56,7 @@ def step_without_series(scene, control, history, runs, i):
     end, difference, found = q, STILL, False
     until = min(runs[i, AT.stop], runs[i, AT.halt])
     length = min(_RADIANS / (1.0 + contact_rate(p, mode)), 0.5 * (until - time))
+    length = min(length, 0.1 * sqrt(runs[i, AT.tolerance]))  # an event in it is met at its end
     while length > 0.0 and not (found or is_too_short(length, time)):
         end = _two_steps(time, length, q, p, mode)
         difference = moved(end, -1.0, short_step(time, length, q, p, mode))

@@ -39,6 +39,7 @@ from model.engine.workspace import (
     CANDIDATES,
     COEFFICIENTS,
     CONTACTS_AT,
+    CORNER_LOAD,
     END,
     ERROR_ORDER,
     FACE_LOAD,
@@ -47,6 +48,7 @@ from model.engine.workspace import (
     LAST_ORDER,
     LINE,
     LONGEST,
+    SIDE_LOAD,
     STEP_LENGTH,
     TIME,
     TOLERANCE,
@@ -71,6 +73,8 @@ _LINES_OF_STEPS = (
     tuple(range(CONTACTS_AT)),
     (*range(CONTACTS_AT), LINE["tips_depth"], *_OF_TIPS),
 )
+# So do those of the loads of contacts whose damping depends on the speed, printed as R3.
+_LOADS = FACE_LOAD, SIDE_LOAD, CORNER_LOAD
 LAST_TERMS = 4.0  # size of the last terms of a series over the tolerance; the remainder is smaller
 
 
@@ -115,12 +119,17 @@ def _step_of(lanes, order, admitted, w, i):
     divisions.
     """
     largest_size, its_scale = 1e-200, 1.0
-    is_round = lanes.events.constants.is_round
-    is_on_tips = mode_of_lane(lanes, w, i).face != OPEN
-    for n in _LINES_OF_STEPS[is_round]:
+    lines, mode = _LINES_OF_STEPS[lanes.events.constants.is_round], mode_of_lane(lanes, w, i)
+    if lanes.symbols.printed_contact_damping_law != 0.0:
+        lines = (*lines, *_LOADS)
+    for n in lines:
         size = abs(w[(COEFFICIENTS + order * LINES + n) * WIDTH + i])
         if n in _OF_TIPS:
-            size = size if is_on_tips else 0.0
+            size = size if mode.face != OPEN else 0.0
+        elif n == SIDE_LOAD:
+            size = size if mode.side != OPEN else 0.0
+        elif n == CORNER_LOAD:
+            size = size if mode.corner != OPEN else 0.0
         scale = 1.0 + abs(w[(COEFFICIENTS + n) * WIDTH + i])
         is_larger = size * its_scale > largest_size * scale
         largest_size = size if is_larger else largest_size

@@ -127,14 +127,14 @@ def test_two_runs_that_agree_by_chance_do_not_undo_what_the_first_two_told():
     # Errors of 500 times the tolerance: 5e-8 at first. Run again, both err by 2e-9 and agree.
     def run(rows, tolerances):
         coarser = rows[:, Constants._fields.index("misalignment")] > 0.0
-        first = tolerances >= 1e-10
+        first = tolerances >= 1e-12
         tau = 1.0 + np.where(first, np.where(coarser, 6e-8, 1e-8), 2e-9)
         return columns(RunResult, outcome=np.full(len(rows), Outcome.ALIGNED), tau_align=tau)
 
-    found = estimate(run, run, numbered(3), 1e-8)
+    found = estimate(run, run, numbered(3), 1e-10)
     assert (found.columns()["tau_align"] == 1.0 + 2e-9).all()
     # 5e-8, in proportion to the tolerance, and a quarter of it.
-    assert found.tau_error == pytest.approx(5e-8 * found.tolerance / 1e-10 / 4.0, rel=0.01)
+    assert found.tau_error == pytest.approx(5e-8 * found.tolerance / 1e-12 / 4.0, rel=0.01)
     assert (found.tau_error > 6e-10).all()
     assert not found.sensitive.any()
 
