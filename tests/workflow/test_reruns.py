@@ -61,7 +61,7 @@ MORE_EDITS = [
 ]  # fmt: skip
 # On which no job depends: a docstring, what records the jobs, commands, what has rules of its own.
 OF_NO_JOB = [
-    ("src/model/physics/forces.py", "-f0, the initial", "Other words, the initial"),
+    ("src/model/physics/forces.py", "the pressing force, downward", "other words"),
     ("src/vibralign/answers/leeways.py", *EDIT),
     ("src/study/tracking/job.py", *EDIT),
     ("src/vibralign/commands/main.py", *EDIT),

@@ -47,7 +47,7 @@ def test_comments_layout_and_docstrings_change_nothing(package):
     before = hashes(package)
     forces = package / "physics" / "forces.py"
     edit(forces, "from model.physics.trig", "# a comment\n\n\nfrom model.physics.trig")
-    edit(forces, "-f0, the initial pressing force, downward.", "Other words.")
+    edit(forces, "the pressing force, downward", "other words")
     assert hashes(package) == before
 
 
