@@ -28,7 +28,7 @@ def peg(folder: Path, more: str) -> Path:
         ("limits: {time: 0.2 s ± 10 %}", "limits: time = '0.2 s ± 10 %': no tolerance here"),
         ("limits: {vibration: [needed]}", "must be needed or not needed"),
         ("limits: [time]", "must be lines of NAME: VALUE"),
-        ("a: &a [*a]", "unknown quantity of a device 'a'"),
+        ("a: &a [*a]", "cannot be read as YAML"),
         ("fixture_stiffness: {a: 1}", "fixture_stiffness = {'a': '1'}: must be a number"),
         ("materials: [steel, steel]", "must be a text"),
         ("centre_height: 20 mm", "half_height and centre_height state the same: leave one out"),
