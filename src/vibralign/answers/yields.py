@@ -283,7 +283,8 @@ def total_indices(f: Floats) -> list[float]:
     """Return total Sobol' indices by Jansen's estimate, NaN without variance or if not known.
 
     ``f``, shape (d + 1, n), holds the values of a function on ``sobol_cubes``. The interval of an
-    index is that of the mean of n squares (M. J. W. Jansen, Comput. Phys. Commun. 117, 1999, 35).
+    index is that of the mean of n squares (M. J. W. Jansen, Computer Physics Communications 117,
+    1999, 35).
     """
     variance = float(f.var())
     if variance == 0.0:
