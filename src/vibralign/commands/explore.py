@@ -15,7 +15,7 @@ from vibralign.commands.arguments import add_model_options, pairs, read_inputs, 
 from vibralign.commands.files import check_file, writing
 from vibralign.commands.program import add_command
 from vibralign.device import StatedDevice
-from vibralign.device.base import SOURCES
+from vibralign.device.instead import SOURCES
 
 
 def add(commands: Any) -> None:

@@ -128,7 +128,12 @@ def _report(run: Trajectory, units: Units | None, settings: Settings) -> list[st
     aligned = not math.isnan(run.tau_align)
     rows = [("outcome", f"{_name(run.outcome)}: {run.message}")]
     if run.outcome not in SUCCESSES:
-        rows.append(("what to do", run.remedy))
+        from vibralign.answers.causes import STICKS  # noqa: PLC0415  (of failures only)
+
+        sticks = run.outcome == Outcome.HORIZON_REACHED and run.sticking_share >= STICKS
+        words = "it sticks all the time, a longer horizon does not help: change "
+        words += "friction, press_force, amplitude or tilt_stiffness"
+        rows.append(("what to do", words if sticks else run.remedy))
     duration = "none: it does not align"
     if aligned:
         error = _within(run.tau_align, run.tau_error)

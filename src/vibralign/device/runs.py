@@ -21,9 +21,10 @@ from model.runs import simulate as single
 from model.runs.align import Alignments
 from model.runs.settings import Settings, settings_with
 from model.runs.simulate import Trajectory
-from vibralign.device.amounts import read_amount
+from vibralign.device.amounts import read_positive
+from vibralign.device.load import load_device
 from vibralign.device.mouth import judged
-from vibralign.device.stated import QUANTITIES, StatedDevice, load_device
+from vibralign.device.stated import QUANTITIES, StatedDevice
 
 Device = Parameters | StatedDevice
 AnyDevice = Device | Path | str
@@ -32,19 +33,21 @@ IN_SI: dict[str, Quantity] = {"horizon": TIME, "insertion_depth": LENGTH}
 
 
 def device_of(given: object) -> Device:
-    """Return a device; a text or path is that of its file.
+    """Return a device, with a warning of what is doubtful; a text or path is that of its file.
 
     Raises:
         TypeError: no device; a list is not one.
         DeviceError: as ``load_device``.
     """
     if isinstance(given, (str, Path)):
-        return load_device(given)
+        given = load_device(given)
     if not isinstance(given, (Parameters, StatedDevice)):
         raise TypeError(
             "a device is Parameters, what load_device returns, or the path of its file, got "
             f"{type(given).__name__}"
         )
+    if isinstance(given, StatedDevice):
+        given.warn()
     return given
 
 
@@ -70,7 +73,7 @@ def with_changes(
     if isinstance(device, Parameters):
         return device, _settings_with(settings, changes)
     texts = {n: v for n, v in changes.items() if n in IN_SI and isinstance(v, str)}
-    in_si: Any = {n: read_amount(n, text, IN_SI[n].unit).value for n, text in texts.items()}
+    in_si: Any = {n: read_positive(n, text, IN_SI[n].unit) for n, text in texts.items()}
     others = {name: value for name, value in changes.items() if name not in texts}
     return replace(device, **in_si), _settings_with(settings, others)
 
