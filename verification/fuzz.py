@@ -255,7 +255,7 @@ def try_sets(
 
     def alone(which: NDArray[np.int64], limits: Settings) -> Alignments:
         patient = replace(limits, max_evaluations=_PATIENCE * limits.max_evaluations)
-        return align(_sets(batch, which), patient, cores=1, engine="scalar")
+        return align(_sets(batch, which), patient, cores=1)
 
     # A set that is not sensitive must end alike half a tolerance away, and in the reference engine.
     against_neighbour = compare("its neighbour", near) if rows.size else 0

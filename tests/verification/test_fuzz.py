@@ -13,8 +13,6 @@ from verification.fuzz import (
     SCENES,
     SETTINGS,
     UNEXPLAINED_SHARE,
-    _move_alike,
-    _one_settles,
     broken_properties,
     draw,
     try_sets,
@@ -104,21 +102,6 @@ def test_what_was_once_wrong_stays_mended(seed, number, scene, compared):
     assert not compared or report.against_reference == 1
 
 
-def test_a_settled_motion_is_not_another_one_at_the_horizon():
-    # Run on without the test of periodic steady state, both engines' motions end alike.
-    limits, laws = SCENES["insertion"]
-    batch, patient = draw(SEED, 8382, 1, laws), replace(limits, max_evaluations=10**6)
-
-    def both(limits):
-        return [align(batch, limits, engine=name, cores=1) for name in ("batch", "scalar")]
-
-    assert _one_settles(*both(patient)).all()
-    runs = both(replace(patient, may_settle=False))
-    assert _move_alike(*runs).all()
-    more = replace(runs[1], separations=runs[1].separations + 1)
-    assert not _move_alike(runs[0], more).any()
-
-
 def test_time_after_a_run_has_settled_is_none_in_which_it_sticks():
     # One settles after more than 2,500 evaluations, the other after τ = 5.
     patient = replace(SETTINGS, horizon=10.0, max_evaluations=10_000)
@@ -128,10 +111,9 @@ def test_time_after_a_run_has_settled_is_none_in_which_it_sticks():
         assert 0.9 < runs.sticking_share[0] <= 1.0
 
 
-@pytest.mark.parametrize("engine", ["batch", "scalar"])
 @pytest.mark.parametrize("number", NEARLY_FLAT)
-def test_what_no_tilt_of_a_device_decides_is_flagged(number, engine):
-    assert align(draw(SEED, number, 1), SETTINGS, engine=engine).sensitive.all()
+def test_what_no_tilt_of_a_device_decides_is_flagged(number):
+    assert align(draw(SEED, number, 1), SETTINGS).sensitive.all()
 
 
 def test_a_set_depends_on_its_number_only():
