@@ -9,8 +9,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from model.engines.results import RunResult
-from model.engines.scalar.loop import TRACK_COLUMNS
+from model.engine.results import RunResult
+from model.engine.scalar.loop import TRACK_COLUMNS
 from model.events.outcomes import Outcome, Reason
 from model.physics.notation import STATE_SIZE
 from model.physics.parameters import Batch, Parameters

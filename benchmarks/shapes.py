@@ -14,7 +14,7 @@ from typing import NamedTuple, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from model.engines.results import RunResult
+from model.engine.results import RunResult
 from model.physics.parameters import Shape
 from model.runs.engines import Engine, engine_for
 from study.config import load_study, study_path

@@ -18,7 +18,7 @@ DISTRIBUTIONS = {
 }  # where the import's name differs
 STUDY = ["plot", "study"]
 EXTRAS = {  # of each folder, besides the dependencies of the package
-    **{f"src/model/{name}": () for name in ("compile", "physics", "events", "engines", "runs")},
+    **{f"src/model/{name}": () for name in ("compile", "physics", "events", "engine", "runs")},
     "src/model/sweeps": STUDY,
     "src/vibralign": STUDY,
     "src/study": STUDY,

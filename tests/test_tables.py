@@ -16,7 +16,7 @@ from typing import Any
 
 import pytest
 
-from model.engines.results import RESULTS
+from model.engine.results import RESULTS
 from model.physics.parameters import PARAMETER_NAMES
 
 PROJECT = Path(__file__).resolve().parents[1]
@@ -36,12 +36,12 @@ EDITS = [
     ),
     ("physics/forces.py", "        lateral_suspension(q, p)", " + side_pull(p)"),
     (
-        "engines/results.py",
+        "engine/results.py",
         "class Results(Value, Generic[OutcomeT, ReasonT, Real, Count, Flag]):\n",
         '    first_height: Real = entry("height of the centre at the start", LENGTH)\n',
     ),
     (
-        "engines/lifecycle.py",
+        "engine/lifecycle.py",
         "    q, mode = start(p, scene.declared)\n",
         "    runs[i, AT.first_height] = q.y\n",
     ),
@@ -75,7 +75,7 @@ def collected(tree: ast.AST) -> Iterator[tuple[int, set[str]]]:
 
 @pytest.mark.parametrize(
     ("table", "stated_in"),
-    [(PARAMETER_NAMES, "physics/parameters.py"), (tuple(RESULTS), "engines/results.py")],
+    [(PARAMETER_NAMES, "physics/parameters.py"), (tuple(RESULTS), "engine/results.py")],
 )
 def test_no_other_place_in_the_package_lists_half_of_the_table(trees, table, stated_in):
     places = {
@@ -170,8 +170,8 @@ print(json.dumps({
 """
 
 SERIES = """
-from model.engines.batch.mode_kinds import ALIGNMENT_KINDS
-from model.engines.batch.series import recurrences
+from model.engine.mode_kinds import ALIGNMENT_KINDS
+from model.engine.series import recurrences
 from model.physics.parameters import Constants
 
 place = Constants._fields.index("side_pull")

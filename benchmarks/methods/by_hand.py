@@ -22,10 +22,10 @@ from benchmarks.methods.base import Method
 from benchmarks.problems import Problem, Solution, Verdict
 from model.compile.entries import compiled
 from model.compile.kernels import inlined_kernel, kernel
-from model.engines.lifecycle import start
-from model.engines.rates import moved
-from model.engines.record import constants_in
-from model.engines.scalar.step import state_of, store_in
+from model.engine.lifecycle import start
+from model.engine.rates import moved
+from model.engine.record import constants_in
+from model.engine.scalar.step import state_of, store_in
 from model.events.event_functions import (
     FLAT,
     LARGEST_TILT,

@@ -9,12 +9,12 @@ import numpy as np
 from benchmarks.methods.base import Method
 from benchmarks.problems import Floats, Problem, Solution, failure_of, simulated
 from model.compile.entries import compiled
-from model.engines.batch import scheduling
-from model.engines.batch.lane_events import lane_events_of
-from model.engines.batch.scheduling import new_batch_memory
-from model.engines.queue import new_queue
-from model.engines.record import STATE
-from model.engines.results import RunResult
+from model.engine import scheduling
+from model.engine.lane_events import lane_events_of
+from model.engine.queue import new_queue
+from model.engine.record import STATE
+from model.engine.results import RunResult
+from model.engine.scheduling import new_batch_memory
 from model.events.outcomes import Outcome, Reason
 from model.physics.notation import STATE_SIZE
 from model.physics.parameters import Batch, Parameters

@@ -12,7 +12,7 @@ from benchmarks.report.advice import COARSE, FINE, advice, ladders, nearest, nee
 from benchmarks.report.checks import CHECKS, HEAD
 from benchmarks.report.work_precision_plots import CAPTIONS
 from benchmarks.work_precision import Setting, read_settings
-from model.engines.batch.series_layout import ORDER
+from model.engine.series_layout import ORDER
 from study.config.study import Study
 from study.report.section import Results, Section, Table, link, settings_of, subscripts
 from vibralign.plots.words import figure_title, number, power

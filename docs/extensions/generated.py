@@ -18,7 +18,7 @@ from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
 from benchmarks.report.checks import CHECKS, HEAD
-from model.engines.results import IN_SLOT, RESULTS, TRACK_VARIABLES, UNVIBRATED_CONTROL, Result
+from model.engine.results import IN_SLOT, RESULTS, TRACK_VARIABLES, UNVIBRATED_CONTROL, Result
 from model.events.outcomes import OUTCOME_TEXT, REASON_TEXT, Outcome, Reason, remedy
 from model.events.table import EVENTS
 from model.physics.parameters import FIELDS, Parameters

@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from model.engines.results import RESULTS, VALUE_TYPES
+from model.engine.results import RESULTS, VALUE_TYPES
 from model.events.outcomes import Outcome
 from model.physics.parameters import PARAMETER_NAMES, Parameters, check_name
 from model.physics.quantities import ANGLE, PLAIN

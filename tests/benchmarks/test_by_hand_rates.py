@@ -7,7 +7,7 @@ import pytest
 
 from benchmarks.methods import by_hand
 from model.compile.entries import compiled
-from model.engines.scalar.step import state_of
+from model.engine.scalar.step import state_of
 from model.events.event_functions import edge_inside
 from model.events.sources import corner_positions
 from model.physics.contacts import contact_load, corner_on_flat, edge_on_face, edge_on_side

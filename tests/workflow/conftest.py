@@ -115,7 +115,7 @@ import gc, json, os, runpy, select, signal, socket, sys
 import matplotlib.pyplot, netCDF4, pint, scipy.ndimage, scipy.special, smart_open, xarray
 import snakemake.cli, snakemake.report.html_reporter
 import study.claims, study.config, study.plans
-from model.engines.batch.lane_events import lane_events_of
+from model.engine.lane_events import lane_events_of
 from model.events.kernels import in_kernels
 
 for scene in model.ALIGNMENT, model.INSERTION:

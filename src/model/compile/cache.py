@@ -24,7 +24,7 @@ from model.compile.outline import outline
 
 _CHECKSUM = 4  # bytes
 _UNWRITTEN: dict[str, tuple[dict[str, Any], bytes]] = {}  # what could not be written
-KERNEL_LAYERS = ("compile", "physics", "events", "engines", "runs")  # folders that hold kernels
+KERNEL_LAYERS = ("compile", "physics", "events", "engine", "runs")  # folders that hold kernels
 
 
 def kernel_fingerprint() -> str:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from model.engines.results import RESULTS, VALUE_TYPES, Results, RunResult, results_table
+from model.engine.results import RESULTS, VALUE_TYPES, Results, RunResult, results_table
 from model.events.outcomes import Outcome
 from model.physics.parameters import Batch, Parameters
 from model.physics.tables import described

@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model.compile.entries import COMPILES, compiled
-from model.engines.batch import scheduling
-from model.engines.batch.lane_events import lane_events_of
-from model.engines.batch.scheduling import new_batch_memory
-from model.engines.queue import Queue, new_queue, stop
-from model.engines.results import RunResult
-from model.engines.scalar import loop
-from model.engines.scalar.loop import TRACK_COLUMNS, new_scalar_memory
+from model.engine import scheduling
+from model.engine.lane_events import lane_events_of
+from model.engine.queue import Queue, new_queue, stop
+from model.engine.results import RunResult
+from model.engine.scalar import loop
+from model.engine.scalar.loop import TRACK_COLUMNS, new_scalar_memory
+from model.engine.scheduling import new_batch_memory
 from model.physics.variants import Variants
 from model.runs.settings import Settings
 

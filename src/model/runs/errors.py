@@ -1,6 +1,6 @@
 """Error estimates: from the error that a run carries, or from neighbouring runs.
 
-Carried errors. The batch engine carries the error of a run along (engines/batch/carried_error.py),
+Carried errors. The batch engine carries the error of a run along (engine/carried_error.py),
 and with it the errors of its times. It runs at the tolerance divided by ``FINER``. The few sets
 whose error is larger than the tolerance promises (``PROMISED``) are run again at a smaller one. In
 the second run errors may cancel by chance: its estimate is at least that of the first run, times
@@ -34,7 +34,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from model.engines.results import RunResult
+from model.engine.results import RunResult
 from model.events.event_functions import FLAT
 from model.events.outcomes import Outcome, Reason
 from model.physics.parameters import Constants

@@ -21,11 +21,11 @@ from model.compile.cache import cache_folder
 from model.compile.entries import flattened
 from model.compile.kernels import inlined_kernel, kernel
 from model.compile.webassembly import web_assembly_of
-from model.engines.batch.lane_events import lane_events_of
-from model.engines.batch.scheduling import begin_all, integrate_all, new_batch_memory
-from model.engines.lifecycle import Control
-from model.engines.results import RunResult
-from model.engines.scalar.loop import new_scalar_memory
+from model.engine.lane_events import lane_events_of
+from model.engine.lifecycle import Control
+from model.engine.results import RunResult
+from model.engine.scalar.loop import new_scalar_memory
+from model.engine.scheduling import begin_all, integrate_all, new_batch_memory
 from model.events.insertion import INSERTION
 from model.events.kernels import SceneEvents, in_kernels
 from model.events.scenes import ALIGNMENT, Scene

@@ -8,7 +8,7 @@ from typing import Any, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from model.engines.lifecycle import NOISE, Control
+from model.engine.lifecycle import NOISE, Control
 from model.events.insertion import INSERTION
 from model.events.kernels import SceneEvents, in_kernels
 from model.events.outcomes import Outcome

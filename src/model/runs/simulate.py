@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from model.engines.results import (
+from model.engine.results import (
     RESULTS,
     TRACK_VARIABLES,
     VALUE_TYPES,
@@ -16,7 +16,7 @@ from model.engines.results import (
     RunResult,
     results_table,
 )
-from model.engines.scalar.loop import TRACK_COLUMNS
+from model.engine.scalar.loop import TRACK_COLUMNS
 from model.events.outcomes import OUTCOME_TEXT, REASON_TEXT, Outcome, Reason, remedy
 from model.physics.notation import STATE_SIZE
 from model.physics.parameters import Batch, Parameters

@@ -7,12 +7,12 @@ import numpy as np
 
 from model.compile.entries import compiled
 from model.compile.kernels import inlined_kernel, kernel
-from model.engines.lifecycle import begin
-from model.engines.queue import is_stopped
-from model.engines.record import AT, constants_of, mode_of, store_result
-from model.engines.results import TRACK_VARIABLES, RunResult
-from model.engines.scalar.loop import TRACK_COLUMNS, advance, new_scalar_memory, track_run
-from model.engines.scalar.step import state_of
+from model.engine.lifecycle import begin
+from model.engine.queue import is_stopped
+from model.engine.record import AT, constants_of, mode_of, store_result
+from model.engine.results import TRACK_VARIABLES, RunResult
+from model.engine.scalar.loop import TRACK_COLUMNS, advance, new_scalar_memory, track_run
+from model.engine.scalar.step import state_of
 from model.events.transitions import CONTINUES
 from model.physics.modes import Mode
 from model.physics.motion import Motion, motion

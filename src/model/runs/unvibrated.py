@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from model.compile.entries import compiled
 from model.compile.kernels import kernel
-from model.engines.record import constants_in
-from model.engines.results import RunResult
+from model.engine.record import constants_in
+from model.engine.results import RunResult
 from model.events.outcomes import UNVIBRATED_TEXT, Outcome, Unvibrated
 from model.physics.parameters import Batch, Parameters
 from model.physics.rest import rest_under_press

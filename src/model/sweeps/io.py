@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from model.engines.results import IN_SLOT, RESULTS, TRACK_VARIABLES, UNVIBRATED_CONTROL, Result
+from model.engine.results import IN_SLOT, RESULTS, TRACK_VARIABLES, UNVIBRATED_CONTROL, Result
 from model.events.outcomes import Outcome
 from model.physics.parameters import FIELDS
 from model.physics.quantities import ANGLE, PLAIN, Quantity

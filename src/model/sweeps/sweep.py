@@ -15,7 +15,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from pydantic import Field
 
-from model.engines.results import IN_SLOT, RESULTS, UNVIBRATED_CONTROL, VALUE_TYPES
+from model.engine.results import IN_SLOT, RESULTS, UNVIBRATED_CONTROL, VALUE_TYPES
 from model.events.outcomes import SUCCESSES
 from model.physics.parameters import Batch, Parameters
 from model.physics.units import Units

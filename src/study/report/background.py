@@ -5,7 +5,7 @@ from pathlib import Path
 
 from markupsafe import Markup
 
-from model.engines.scalar.tableaux import DOP853
+from model.engine.scalar.tableaux import DOP853
 from model.physics.parameters import FIELDS, PARAMETER_NAMES
 from model.physics.variants import VARIANT_NAMES
 from model.runs.settings import Settings

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from model.engines.results import RESULTS, TRACK_VARIABLES, UNVIBRATED_CONTROL
-from model.engines.tolerances import Compared
+from model.engine.results import RESULTS, TRACK_VARIABLES, UNVIBRATED_CONTROL
+from model.engine.tolerances import Compared
 from model.events.outcomes import Reason
 from model.sweeps.files import atomic_write, write_text
 from model.sweeps.io import read_dataset

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import AfterValidator
 
-from model.engines.results import RESULTS, UNVIBRATED_CONTROL
+from model.engine.results import RESULTS, UNVIBRATED_CONTROL
 from model.physics.parameters import FIELDS, Batch, Parameters, check_name
 from model.physics.quantities import ANGLE, LENGTH, PLAIN
 from model.physics.units import UNITS

@@ -7,8 +7,8 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from model.engines.results import RESULTS, TRACK_VARIABLES
-from model.engines.scalar.tableaux import DOP853
+from model.engine.results import RESULTS, TRACK_VARIABLES
+from model.engine.scalar.tableaux import DOP853
 from model.events.outcomes import SUCCESSES, Outcome, Unvibrated
 from model.physics.notation import State
 from model.physics.parameters import Batch, Parameters

@@ -11,7 +11,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from model.engines.results import TRACK_VARIABLES
+from model.engine.results import TRACK_VARIABLES
 from model.events.insertion import INSERTION
 from model.events.outcomes import (
     OUTCOME_TEXT,

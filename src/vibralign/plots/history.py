@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from model.engines.results import TRACK_VARIABLES
+from model.engine.results import TRACK_VARIABLES
 from model.events.outcomes import Outcome
 from model.physics.quantities import ANGLE, LENGTH
 from model.physics.units import Units

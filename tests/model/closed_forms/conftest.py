@@ -13,18 +13,18 @@ import numpy as np
 import pytest
 
 from model.compile.entries import bound, compiled
-from model.engines.lifecycle import NOISE, Control, begin
-from model.engines.record import AT, MODE, STATE
-from model.engines.scalar import loop
-from model.engines.scalar.loop import TRACK_COLUMNS, new_scalar_memory
-from model.engines.scalar.step import interpolate
+from model.engine.lifecycle import NOISE, Control, begin
+from model.engine.record import AT, MODE, STATE
+from model.engine.scalar import loop
+from model.engine.scalar.loop import TRACK_COLUMNS, new_scalar_memory
+from model.engine.scalar.step import interpolate
 from model.events.kernels import in_kernels
 from model.events.outcomes import Outcome, Reason
 from model.events.transitions import CONTINUES
 from model.physics.modes import CLOSED, OPEN, START, Mode
 from model.physics.notation import State
 from model.physics.parameters import Shape
-from tests.model.engines.steps import Steps
+from tests.model.engine.steps import Steps
 from vibralign import ALIGNMENT, Batch, Parameters, Scene, Variants
 
 advance = compiled(loop.advance)

@@ -15,10 +15,10 @@ import pytest
 
 from model.compile.entries import compiled
 from model.compile.kernels import kernel
-from model.engines.lifecycle import begin
-from model.engines.record import AT, STATE, constants_in, mode_of, state_in
-from model.engines.scalar.loop import TRACK_COLUMNS, advance, new_scalar_memory, new_workspace
-from model.engines.scalar.step import (
+from model.engine.lifecycle import begin
+from model.engine.record import AT, STATE, constants_in, mode_of, state_in
+from model.engine.scalar.loop import TRACK_COLUMNS, advance, new_scalar_memory, new_workspace
+from model.engine.scalar.step import (
     dense_output,
     interpolate,
     right_hand_side,

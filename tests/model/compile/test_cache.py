@@ -39,7 +39,7 @@ def source(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     for layer in cache.KERNEL_LAYERS:
         assert (PACKAGE / layer).is_dir()
         (tmp_path / layer).mkdir()
-    path = tmp_path / "engines" / "scalar" / "step.py"
+    path = tmp_path / "engine" / "scalar" / "step.py"
     path.parent.mkdir()
     path.write_text("x = 1\n", encoding="utf-8")
     monkeypatch.setattr(cache, "PACKAGE", tmp_path)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from model.engines.results import RunResult
+from model.engine.results import RunResult
 from model.events.outcomes import InsertionOutcome, Reason
 from model.runs.align import run_once
 from model.runs.engines import batch_engine, scalar_engine

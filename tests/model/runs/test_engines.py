@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from model.engines.batch.scheduling import POOL
-from model.engines.results import RunResult
+from model.engine.results import RunResult
+from model.engine.scheduling import POOL
 from model.runs.engines import batch_engine, scalar_engine
 from model.runs.errors import outcomes_differ
 from vibralign import Batch, Outcome, Settings, Variants, align

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from model.engines.results import RunResult
+from model.engine.results import RunResult
 from model.physics.parameters import Constants
 from model.runs.errors import TILTED, estimate
 from verification.trials import trial_of

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from benchmarks.shapes import devices
-from model.engines.results import TRACK_VARIABLES, RunResult
+from model.engine.results import TRACK_VARIABLES, RunResult
 from model.events.insertion import INSERTION
 from model.physics.modes import CLOSED
 from model.physics.parameters import PARAMETER_NAMES

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from model.engines.results import RunResult
+from model.engine.results import RunResult
 from model.runs.engines import batch_engine, scalar_engine
 from model.sweeps.starts import starts_of
 from study.config import load_study, study_path

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from model.engines.tolerances import MARGIN
+from model.engine.tolerances import MARGIN
 from model.events.outcomes import Outcome, Unvibrated
 from model.sweeps.io import write_dataset
 from model.sweeps.sweep import merge, run

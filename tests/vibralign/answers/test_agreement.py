@@ -18,7 +18,7 @@ import pytest
 import xarray as xr
 import yaml
 
-from model.engines.results import RunResult
+from model.engine.results import RunResult
 from model.events.outcomes import Outcome
 from model.physics.quantities import FORCE
 from model.physics.units import device as device_of

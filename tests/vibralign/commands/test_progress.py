@@ -6,7 +6,7 @@ import time
 
 import numpy as np
 
-from model.engines.queue import Queue
+from model.engine.queue import Queue
 from model.runs import engines
 from vibralign.commands import main as cli
 from vibralign.commands import progress

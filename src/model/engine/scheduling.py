@@ -1,0 +1,382 @@
+"""The batch engine: many runs at once; runs in the same kind of mode share SIMD vectors.
+
+The batch engine ends here. Input: parameter sets, of which threads take the next from a queue.
+Output: their results. Runs wait in queues, one for each kind of mode; the runs of the fullest
+queue make a step together (step.py). A step without an event is accepted. Otherwise the run
+advances to the first event, located on its series to their full order (event_search.py), without
+another step. Transitions and ends of periods are shared with the reference engine (lifecycle.py),
+which also steps runs in modes that lanes do not hold.
+"""
+
+from math import isnan, nan
+from typing import NamedTuple
+
+import numpy as np
+
+from model.compile.kernels import inlined_kernel, kernel
+from model.compile.vector_code import WIDTH
+from model.engine import workspace
+from model.engine.carried_error import apply_saltation, carry_error, error_of_time
+from model.engine.event_search import SearchMemory, first_event, new_search_memory, state_at
+from model.engine.lane_events import LaneEvents, applicable_in, kind_of
+from model.engine.lifecycle import (
+    History,
+    apply_event,
+    begin,
+    end_period,
+    end_step,
+    fail,
+    new_history,
+    note_step,
+    notes_forces,
+)
+from model.engine.peaks import largest_force, largest_tilt
+from model.engine.queue import fair_share, is_stopped, next_in
+from model.engine.rates import are_finite, is_too_short, rates_at
+from model.engine.record import (
+    AT,
+    CLOSEST,
+    ERROR,
+    FORCES,
+    MODE,
+    SIZE,
+    STATE,
+    constants_of,
+    is_watched,
+    mode_of,
+    state_in,
+    store_result,
+    store_state,
+)
+from model.engine.scalar.location import NO_EVENT
+from model.engine.scalar.loop import TRACK_COLUMNS, Workspace, advance, new_workspace
+from model.engine.scalar.step import MOST_GROWTH
+from model.engine.series import LANE_CONSTANTS, SIDE_SIGN, SUPPORT_SIGN
+from model.engine.series_kernels import missing_series
+from model.engine.series_layout import NODES, ORDER
+from model.engine.step import step_all
+from model.engine.workspace import (
+    COEFFICIENTS,
+    constants_of_lane,
+    copy_mode,
+    loads_of,
+    lowest_bit,
+    mode_of_lane,
+)
+from model.events.event_functions import NEVER, ON_AN_EVENT
+from model.events.friction import hold_sticking
+from model.events.outcomes import REASON
+from model.events.transitions import CONTINUES
+from model.physics.modes import CLOSED, Mode
+from model.physics.notation import STATE_SIZE
+
+POOL = 128  # largest number of runs that a thread has at once
+_FIRST_LONGEST = 1.0  # bound of a run's first step
+
+
+# Numbers of a run copied to its lane besides constants, mode and state: (line of the workspace,
+# column of the record).
+_GATHERED = (
+    (SUPPORT_SIGN, MODE + Mode._fields.index("support_slip")),
+    (SIDE_SIGN, MODE + Mode._fields.index("side_slip")),
+    (workspace.TIME, AT.time),
+    (workspace.DEADLINE, AT.deadline),
+    (workspace.TOLERANCE, AT.tolerance),
+    (workspace.LONGEST, AT.next_step),
+)
+
+
+@kernel
+def _gather(lanes, runs, i, w, lane):
+    """Copy run ``i`` into a lane."""
+    for line, column in enumerate(LANE_CONSTANTS):
+        w[line * WIDTH + lane] = runs[i, column]
+    for line, column in _GATHERED:
+        w[line * WIDTH + lane] = runs[i, column]
+    copy_mode(lanes, runs, i, MODE, w, lane)
+    for n in range(STATE_SIZE):
+        w[(COEFFICIENTS + n) * WIDTH + lane] = runs[i, STATE + n]
+        w[(workspace.ERROR + n) * WIDTH + lane] = runs[i, ERROR + n]
+
+
+@kernel
+def _note_closest(lanes, until, w, lane, runs, i):
+    """Lower closest approaches by the samples of a step before ``until``.
+
+    A level that starts at zero is left out, as by ``note_closest`` of the reference engine.
+    """
+    last, applicable = int(until * (NODES - 1)), int(w[workspace.APPLICABLE * WIDTH + lane])
+    while applicable != 0:
+        which = lowest_bit(applicable)
+        applicable &= applicable - 1
+        at, node = (lanes.samples + which) * WIDTH + lane, lanes.events.count * WIDTH
+        if w[at] > ON_AN_EVENT and w[at] != NEVER:
+            lowest = runs[i, CLOSEST + which]
+            for each in range(1, last + 1):
+                lowest = min(lowest, w[at + each * node])
+            runs[i, CLOSEST + which] = lowest
+
+
+@inlined_kernel
+def _record_periods(scene, lanes, until, history, control, w, lane, runs, i):
+    """Record the excitation periods that end in a step, before ``until``.
+
+    The run may end with one of them. Closest approaches of a step that lies in two periods count in
+    both.
+    """
+    start, length = runs[i, AT.time], w[workspace.STEP_LENGTH * WIDTH + lane]
+    p, mode = constants_of_lane(lanes, w, lane), mode_of_lane(lanes, w, lane)
+    while (
+        runs[i, AT.outcome] == CONTINUES
+        and runs[i, AT.stop] <= start + until * length
+        and runs[i, AT.stop] < runs[i, AT.deadline]
+    ):
+        q = state_at((runs[i, AT.stop] - start) / length, w, lane)
+        store_state(hold_sticking(q, p, mode), runs, i)
+        runs[i, AT.time] = runs[i, AT.stop]
+        end_period(scene, history, control.settling_noise, runs, i)
+        if is_watched(runs, i):
+            _note_closest(lanes, until, w, lane, runs, i)
+
+
+@inlined_kernel
+def _carries_error(scene, control, runs, i):
+    """Return whether run ``i`` carries its error: without insertion, only until it aligns."""
+    needed = scene.events.inserts or isnan(runs[i, AT.tau_align])
+    return control.carries_error != 0.0 and needed
+
+
+@inlined_kernel
+def _advance(scene, lanes, until, history, control, w, lane, runs, i):
+    """Advance by a step, or its fraction ``until`` an event; return whether the run continues."""
+    length, start = w[workspace.STEP_LENGTH * WIDTH + lane], runs[i, AT.time]
+    if is_watched(runs, i):
+        _note_closest(lanes, until, w, lane, runs, i)
+    _record_periods(scene, lanes, until, history, control, w, lane, runs, i)
+    continues = runs[i, AT.outcome] == CONTINUES
+    if not continues:
+        until = (runs[i, AT.time] - start) / length
+    mode, tilt = mode_of_lane(lanes, w, lane), 0.0
+    if control.alignment_only == 0.0:
+        tilt = largest_tilt(runs[i, AT.tilt_max], until, w, lane)
+    note_step(scene, until * length, tilt, runs, i)
+    if notes_forces(scene, mode, control, runs, i):
+        for line, state, place in loads_of(mode):
+            if state == CLOSED:
+                known = runs[i, FORCES + place]
+                runs[i, FORCES + place] = largest_force(line, known, until, w, lane)
+    if not continues:
+        return False
+    if _carries_error(scene, control, runs, i):
+        carry_error(until, w, lane, runs, i)
+    at_deadline = until == 1.0 and length == runs[i, AT.deadline] - start
+    runs[i, AT.time] = runs[i, AT.deadline] if at_deadline else start + until * length
+    runs[i, AT.next_step] = MOST_GROWTH * length
+    return True
+
+
+@inlined_kernel
+def _accept_step(scene, lanes, history, control, w, lane, runs, i):
+    """Complete a step without an event."""
+    if _advance(scene, lanes, 1.0, history, control, w, lane, runs, i):
+        for n in range(STATE_SIZE):
+            runs[i, STATE + n] = w[(workspace.END + n) * WIDTH + lane]
+        end_step(scene, False, history, control, runs, i)
+
+
+@inlined_kernel
+def _advance_to_event(which, theta, scene, lanes, history, control, w, lane, runs, i):
+    """Advance to an event in the step, and continue in the mode that follows."""
+    if _advance(scene, lanes, theta, history, control, w, lane, runs, i):
+        q, before = state_at(theta, w, lane), mode_of(runs, i)
+        carries = _carries_error(scene, control, runs, i)
+        had_aligned = not isnan(runs[i, AT.tau_align])
+        store_state(q, runs, i)
+        step = w[workspace.STEP_LENGTH * WIDTH + lane]
+        apply_event(which, theta * step, step, scene, control, runs, i)
+        if carries:
+            aligns = not (had_aligned or isnan(runs[i, AT.tau_align]))
+            if aligns or runs[i, AT.outcome] != CONTINUES:
+                error = error_of_time(scene.events, which, q, before, runs, i)
+                runs[i, AT.time_error if aligns else AT.end_error] = error
+            apply_saltation(scene.events, which, q, before, runs, i)
+        if runs[i, AT.events_at_once] == 0.0:
+            runs[i, AT.next_step] *= MOST_GROWTH
+        end_step(scene, False, history, control, runs, i)
+
+
+@inlined_kernel
+def _continue(scene, lanes, control, memory, lane, i):
+    """Continue run ``i`` after the step of its lane."""
+    w, runs, history = memory.w, memory.runs, memory.history
+    runs[i, AT.rhs_evaluations] += ORDER
+    length = w[workspace.STEP_LENGTH * WIDTH + lane]
+    if scene.events.inserts and isnan(length):  # shares of loads that begin at zero: 0 / 0
+        runs[i, AT.largest_error] = nan  # the reference engine does not carry it
+        advance(scene, control, memory.track, history, memory.work, runs, i)
+    elif isnan(length) or is_too_short(length, runs[i, AT.time]):
+        q = state_in(runs, STATE, i)
+        rates = rates_at(runs[i, AT.time], q, constants_of(lanes.events, runs, i), mode_of(runs, i))
+        fail(scene, runs, i, REASON.STEP_TOO_SMALL if are_finite(rates) else REASON.NOT_FINITE)
+    else:
+        which, theta = -1, NO_EVENT
+        if w[workspace.CANDIDATES * WIDTH + lane] != 0.0:
+            which, theta = first_event(lanes, w, lane, runs, memory.search, i)
+        if theta == NO_EVENT:
+            _accept_step(scene, lanes, history, control, w, lane, runs, i)
+        else:
+            _advance_to_event(which, theta, scene, lanes, history, control, w, lane, runs, i)
+
+
+class Waiting(NamedTuple):
+    """Queues of the runs that wait for a step, one for each kind of mode, first in, first out.
+
+    Attributes:
+        runs: ring buffers, shape (kinds, POOL).
+        firsts: index of the first run of each queue, shape (kinds,).
+        counts: lengths of the queues, shape (kinds,).
+    """
+
+    runs: np.ndarray
+    firsts: np.ndarray
+    counts: np.ndarray
+
+
+class BatchMemory(NamedTuple):
+    """Memory of the batch engine for POOL runs; ``runs`` has shape (POOL, SIZE)."""
+
+    w: np.ndarray
+    runs: np.ndarray
+    history: History
+    work: Workspace
+    search: SearchMemory
+    waiting: Waiting
+    together: np.ndarray  # shape (WIDTH,), the runs of the step
+    track: np.ndarray  # shape (0, columns): runs of a batch have none
+    addresses: np.ndarray  # see ``Series``
+
+
+def new_batch_memory(lanes: LaneEvents, may_settle: bool = True) -> BatchMemory:
+    """Return a ``BatchMemory`` without runs; histories only if runs ``may_settle``."""
+    work, w = new_workspace(), workspace.new_workspace(lanes.lines)
+    kinds = len(lanes.series.fill)
+    waiting = Waiting(*(np.zeros(shape, np.int64) for shape in ((kinds, POOL), kinds, kinds)))
+    together = np.zeros(WIDTH, np.int64)
+    history = new_history(POOL if may_settle else 1)
+    return BatchMemory(
+        w,
+        np.zeros((POOL, SIZE)),
+        history,
+        work,
+        new_search_memory(),
+        waiting,
+        together,
+        np.zeros((0, TRACK_COLUMNS)),
+        lanes.series.addresses,
+    )
+
+
+@inlined_kernel
+def _enqueue(scene, lanes, control, memory, results, i):
+    """Put run ``i`` into the queue of its kind of mode, or write its result if it has ended.
+
+    The reference engine advances it until lanes can hold its mode. Returns True if the run waits.
+    """
+    runs, waiting = memory.runs, memory.waiting
+    kind = kind_of(lanes, mode_of(runs, i))
+    while runs[i, AT.outcome] == CONTINUES and kind < 0:
+        if _carries_error(scene, control, runs, i):
+            runs[i, AT.largest_error] = nan  # the reference engine does not carry it
+        advance(scene, control, memory.track, memory.history, memory.work, runs, i)
+        kind = kind_of(lanes, mode_of(runs, i))
+    if runs[i, AT.outcome] != CONTINUES:
+        store_result(scene.events, runs, i, results, int(runs[i, AT.number_in_batch]))
+        return False
+    waiting.runs[kind, (waiting.firsts[kind] + waiting.counts[kind]) % POOL] = i
+    waiting.counts[kind] += 1
+    return True
+
+
+@kernel
+def _begin_next(sets, tolerances, queue, scene, lanes, control, memory, results, i):
+    """Start the next parameter set of the queue, if there is one, as run ``i``."""
+    waits = False
+    while not waits:
+        number = next_in(queue)
+        if number >= sets.shape[0]:
+            return
+        begin(sets[number], tolerances[number], scene, control, memory.runs, i)
+        memory.runs[i, AT.number_in_batch], memory.runs[i, AT.next_step] = number, _FIRST_LONGEST
+        waits = _enqueue(scene, lanes, control, memory, results, i)
+
+
+@inlined_kernel
+def _fullest(counts):
+    """Return the kind of mode with the longest queue."""
+    fullest, most = 0, counts[0]
+    for kind in range(1, counts.size):
+        count = counts[kind]
+        fullest, most = (kind, count) if count > most else (fullest, most)
+    return fullest
+
+
+@inlined_kernel
+def _dequeue(kind, waiting, together):
+    """Move up to WIDTH runs from a queue to ``together``; return their number."""
+    count = min(WIDTH, waiting.counts[kind])
+    for lane in range(count):
+        together[lane] = waiting.runs[kind, (waiting.firsts[kind] + lane) % POOL]
+    waiting.firsts[kind] = (waiting.firsts[kind] + count) % POOL
+    waiting.counts[kind] -= count
+    return count
+
+
+@kernel
+def _step_together(lanes, kind, count, control, memory):
+    """Make a step of ``count`` runs in the same kind of mode."""
+    w, runs = memory.w, memory.runs
+    applicable = 0
+    for lane in range(WIDTH):  # lanes without a run repeat the last one
+        i = memory.together[min(lane, count - 1)]
+        _gather(lanes, runs, i, w, lane)
+        p, mode = constants_of(lanes.events, runs, i), mode_of(runs, i)
+        may_apply = applicable_in(lanes, kind, p, mode)
+        w[workspace.APPLICABLE * WIDTH + lane] = float(may_apply)
+        applicable |= may_apply
+    step_all(lanes, kind, applicable, control, memory.addresses, w)
+
+
+@kernel
+def begin_all(sets, tolerances, scene, lanes, control, queue, results, memory):
+    """Start the first parameter sets of a queue; see ``integrate_all``."""
+    memory.waiting.counts[:] = 0
+    for i in range(min(POOL, fair_share(queue))):
+        _begin_next(sets, tolerances, queue, scene, lanes, control, memory, results, i)
+
+
+@kernel
+def integrate_all(sets, tolerances, scene, lanes, control, queue, results, memory):
+    """Run the parameter sets of a queue to their ends, many at a time, after ``begin_all``.
+
+    Shapes: sets (n, constants), the fields of ``Constants``, consistent variants only; tolerances
+    (n,); results (n, len(RunResult._fields)), filled for the sets taken. ``queue`` is made by
+    ``new_queue``: threads that share it share the sets. ``memory`` is overwritten.
+
+    Returns -1 at the end, or the number of a function that ``Series`` has to load before the runs
+    continue, in a further call.
+    """
+    counts, carries_error = memory.waiting.counts, control.carries_error != 0.0
+    kind = _fullest(counts)
+    while counts[kind] > 0 and not is_stopped(queue):
+        missing = missing_series(lanes, kind, carries_error, memory.addresses)
+        if missing >= 0:
+            return missing
+        count = _dequeue(kind, memory.waiting, memory.together)
+        _step_together(lanes, kind, count, control, memory)
+        for lane in range(count):
+            i = memory.together[lane]
+            _continue(scene, lanes, control, memory, lane, i)
+            if not _enqueue(scene, lanes, control, memory, results, i):
+                _begin_next(sets, tolerances, queue, scene, lanes, control, memory, results, i)
+        kind = _fullest(counts)
+    return -1

@@ -1,0 +1,153 @@
+"""Layout of series in memory, and the order in which they are computed.
+
+Input: the ``Recurrences`` of a kind of mode (series.py). Output: a ``Layout``, which series_code.py
+writes as code. Memory holds a line for each series that later orders need: the state, the event
+quantities, sines and cosines, and factors of products and quotients. All other series stay in
+registers.
+"""
+
+from collections.abc import Iterator
+from copy import copy
+
+from model.engine.series import STATES, EventQuantities, Recurrences, TaylorSeries
+
+ORDER = 16  # of the series
+# Order of the linearised motion; lower ones fail on stiff bases (decision 3), where a step may last
+# 3 radians of a contact's oscillation.
+ERROR_ORDER = 9
+REMAINDER = 2  # further orders, which estimate what the series omits
+ORDERS = ORDER + REMAINDER + 1  # in memory
+STATE_LINES = len(STATES)
+TILT = 2  # line of the tilt
+# Line of the sine of the tilt; its cosine, and sine and cosine of the excitation, follow.
+SINES = STATE_LINES + len(EventQuantities._fields)
+_OTHERS = SINES + 4
+LINES = _OTHERS + 16  # as many as the modes of plane parts on the edges need
+FURTHER_LINES = 60  # of round parts, and of modes in the slot; they follow the last order
+FRACTIONS = (0.25, 0.5, 0.75, 1.0)  # of a step, at which it is sampled
+NODES = len(FRACTIONS) + 1
+# Orders summed at these fractions: omitted terms are below 1e-4 of the last ones at the step's end.
+SUMMED_ORDERS = (10, 13, ORDER, ORDER)
+
+
+def _inputs(series: TaylorSeries) -> tuple[TaylorSeries, ...]:
+    """Return the series whose coefficients of an order ``series`` needs for its own of it."""
+    if series.rule in ("product", "quotient", "root", "rate"):
+        return series.operands
+    if series.rule == "sum":
+        return tuple(each for each, _ in series.operands[1])
+    return ()
+
+
+class Layout:
+    """Order in which the series of a kind of mode are computed, and their lines in memory.
+
+    Series of positions alone are computed one order ahead of the others, which need their rates.
+
+    Attributes:
+        recurrences: the ``Recurrences``.
+        terms: series in the sums of the accelerations.
+        quantities: series of the event quantities.
+        sines: sine and cosine of the tilt, and of the excitation's angle.
+        turning: products of the tilt rate with sine and cosine of the tilt.
+        rate: rate of the excitation's angle.
+        place: line of a series in memory; other series stay in registers.
+        stage: number of products, quotients and roots to be computed one after another for a
+            series.
+        factors: see ``_choose_factors``.
+    """
+
+    def __init__(self, recurrences: Recurrences) -> None:
+        self.recurrences = recurrences
+        self.terms = [each for total in recurrences.accelerations for each in total.terms]
+        self.quantities = [each.as_series() for each in recurrences.quantities]
+        self.sines = self._sines()
+        self.place = {each: n for n, each in enumerate((*STATES, *self.quantities))}
+        self.place |= {each: SINES + n for n, each in enumerate(self.sines)}
+        self.stage: dict[TaylorSeries, int] = {}
+        for series in (*self.terms, *self.quantities):
+            self._assign_stage(series)
+        for series in self.stage:
+            if series.is_convolved:
+                for each in (*series.operands, *(() if series.rule == "product" else (series,))):
+                    self.place.setdefault(each, self._next_place())
+            if not self.is_ahead(series):
+                for each in filter(self.is_ahead, _inputs(series)):
+                    self.place.setdefault(each, self._next_place())
+        for each in filter(self.is_ahead, self.terms):
+            self.place.setdefault(each, self._next_place())
+        if self._next_place() > LINES + FURTHER_LINES:
+            raise AssertionError(
+                f"LINES = {LINES} and FURTHER_LINES = {FURTHER_LINES}: must be at least "
+                f"{self._next_place()} together"
+            )
+        self.factors = self._choose_factors()
+
+    def for_accelerations(self) -> "Layout":
+        """Return the layout without series that only event quantities need; lines stay."""
+        layout = copy(self)
+        layout.stage = {}
+        for each in self.terms:
+            layout._assign_stage(each)
+        return layout
+
+    def _next_place(self) -> int:
+        return max(self.place.values()) + 1
+
+    def _sines(self) -> list[TaylorSeries]:
+        """Return ``sines``; set ``turning`` and ``rate``."""
+        tilt = (0.0, ((STATES[2], 1.0),))
+        pair = TaylorSeries("sine", tilt), TaylorSeries("cosine", tilt)
+        self.turning = [
+            TaylorSeries("product", tuple(sorted((STATES[5], each), key=repr))) for each in pair
+        ]
+        (sine,) = [each for each in self.terms if each.rule == "sine" and each != pair[0]]
+        self.rate = sine.operands[1][0][1]  # of the excitation's angle
+        return [*pair, sine, TaylorSeries("cosine", sine.operands)]
+
+    def _choose_factors(self) -> dict[TaylorSeries, tuple[TaylorSeries, TaylorSeries]]:
+        """Choose the factors a and b of Σ_j a_j b_(k-j), for every product, quotient and root.
+
+        Products share loads if they read the same line in the same direction: sines and cosines are
+        read forward, as a. Of a quotient, a is the quotient itself and b its divisor.
+        """
+        taken: set[tuple[TaylorSeries, bool | None]] = set()  # None: forward
+
+        def merit(forward: TaylorSeries, backward: TaylorSeries, ahead: bool) -> tuple[bool, int]:
+            shared = ((forward, None) in taken) + ((backward, ahead) in taken)
+            return forward.rule in ("sine", "cosine"), shared
+
+        factors = {}
+        for series in dict.fromkeys((*self.products(True), *self.turning, *self.products(False))):
+            ahead, (one, other) = self.is_ahead(series), series.factors
+            if series.rule == "product" and merit(other, one, ahead) > merit(one, other, ahead):
+                one, other = other, one
+            taken |= {(one, None), (other, ahead)}
+            factors[series] = one, other
+        return factors
+
+    def _assign_stage(self, series: TaylorSeries) -> int:
+        if series not in self.stage:
+            before = max((self._assign_stage(each) for each in _inputs(series)), default=0)
+            self.stage[series] = before + series.is_convolved
+        return self.stage[series]
+
+    def is_ahead(self, series: TaylorSeries) -> bool:
+        """Return whether a series depends on positions alone."""
+        if series.rule == "state":
+            return bool(series.operands[0] < len(STATES) // 2)
+        if series.rule in ("sine", "cosine"):
+            return series in self.sines[:2]
+        return series.rule != "rate" and all(map(self.is_ahead, _inputs(series)))
+
+    def stages(self, ahead: bool) -> Iterator[tuple[list[TaylorSeries], list[TaylorSeries]]]:
+        """Yield for each stage its convolved series, and its other series in their order."""
+        for stage in range(max(self.stage.values()) + 1):
+            here = [each for each, its_stage in self.stage.items() if its_stage == stage]
+            here = [each for each in here if self.is_ahead(each) == ahead]
+            products = [each for each in here if each.is_convolved]
+            yield products, [each for each in here if each.rule in ("sum", "rate")]
+
+    def products(self, ahead: bool) -> list[TaylorSeries]:
+        """Return all products, quotients and roots, of positions alone or all others."""
+        return [each for products, _ in self.stages(ahead) for each in products]

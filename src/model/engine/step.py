@@ -1,0 +1,302 @@
+"""One step of a power series in every lane, and the candidates for events in it.
+
+Input: constants, modes and states of the lanes (scheduling.py). Output, in the workspace: series
+and samples, the candidates for events with their subintervals, and the state at the step's end.
+
+Let g(θ) be a level, θ the fraction of the step. Between two samples it lies below their line by no
+more than its curvature bound: an eighth of the squared distance times the largest |g''|, which
+follows from the coefficients of the series. If the line stays above zero by more than this bound,
+there is no event in between.
+"""
+
+from math import floor
+
+import numpy as np
+
+from model.compile.kernels import inlined_kernel, kernel
+from model.compile.vector_code import WIDTH, each_lane
+from model.engine.carried_error import errors_at_ends
+from model.engine.lane_events import (
+    CURVATURE,
+    QUANTITIES,
+    is_partial,
+    quantity_line,
+    sample_levels,
+    sample_line,
+)
+from model.engine.series_kernels import fill_errors, fill_series, sample_series
+from model.engine.series_layout import LINES, NODES, ORDER, REMAINDER, SINES, TILT
+from model.engine.workspace import (
+    CANDIDATES,
+    COEFFICIENTS,
+    CONTACTS_AT,
+    DEADLINE,
+    END,
+    LAST_ORDER,
+    LINE,
+    LONGEST,
+    STEP_LENGTH,
+    TIME,
+    TOLERANCE,
+    VALUES,
+    constants_of_lane,
+    lowest_bit,
+    mode_of_lane,
+    state_in_lane,
+    store_state_in_lane,
+)
+from model.events.event_functions import FLAT, NEVER, ON_AN_EVENT
+from model.events.friction import REST_SLIP, without_slip
+from model.physics.trigonometry import sine_cosine
+
+ALL_SUBINTERVALS = 15  # mask
+# Lines of states and places, of plane and of round parts.
+_LINES_OF_PLACES = tuple(range(CONTACTS_AT)), (*range(CONTACTS_AT), LINE["tips_depth"])
+LAST_TERMS = 4.0  # size of the last terms of a series over the tolerance; the remainder is smaller
+# Below this level of a landing corner, whose rise lanes do not hold, the reference engine decides.
+TOO_FLAT_TO_TELL = 10.0 * FLAT
+
+
+@kernel
+def _set_sines(lanes, w):
+    """Write sine and cosine of the tilt and of the excitation's angle at the step's start."""
+    first = COEFFICIENTS + SINES
+    for i in each_lane():
+        p = constants_of_lane(lanes, w, i)
+        s, c = sine_cosine(w[(COEFFICIENTS + TILT) * WIDTH + i])
+        w[first * WIDTH + i], w[(first + 1) * WIDTH + i] = s, c
+        s, c = sine_cosine(p.frequency * w[TIME * WIDTH + i] + p.phase)
+        w[(first + 2) * WIDTH + i], w[(first + 3) * WIDTH + i] = s, c
+
+
+@inlined_kernel
+def nth_root(value, order):
+    """Return ``value``^(1/``order``) of a positive value, to half a percent.
+
+    The bits of a float, exponent before mantissa, approximate its logarithm.
+    """
+    logarithm = np.float64(value).view(np.int64) * 2.0**-52 - 1023.0
+    power = logarithm * (1.0 / order)
+    whole = floor(power)
+    part = power - whole
+    octave = np.int64((np.int64(whole) + 1023) << 52).view(np.float64)
+    return octave * (1.0 + part * (0.6565 + 0.3435 * part))
+
+
+@inlined_kernel
+def _step_of(lanes, order, admitted, w, i):
+    """Step at which the largest term of an order, over 1 + |value|, equals ``admitted``.
+
+    Terms of states and of places count: in flight the series of the states end sooner than the
+    series of the places, which turn with the tilt. Ratios are compared by products, cheaper than
+    divisions.
+    """
+    largest_size, its_scale = 1e-200, 1.0
+    for n in _LINES_OF_PLACES[lanes.events.constants.is_round]:
+        size = abs(w[(COEFFICIENTS + order * LINES + n) * WIDTH + i])
+        scale = 1.0 + abs(w[(COEFFICIENTS + n) * WIDTH + i])
+        is_larger = size * its_scale > largest_size * scale
+        largest_size = size if is_larger else largest_size
+        its_scale = scale if is_larger else its_scale
+    return nth_root(admitted * its_scale / largest_size, order)
+
+
+@kernel
+def _set_lengths(lanes, w):
+    """Set the steps at which the larger of the last two terms equals the admissible error."""
+    for i in each_lane():
+        admitted = LAST_TERMS * w[TOLERANCE * WIDTH + i]
+        step = min(
+            _step_of(lanes, ORDER, admitted, w, i), _step_of(lanes, ORDER - 1, admitted, w, i)
+        )
+        step = min(step, w[LONGEST * WIDTH + i])
+        time, deadline = w[TIME * WIDTH + i], w[DEADLINE * WIDTH + i]
+        w[STEP_LENGTH * WIDTH + i] = deadline - time if time + 1.0001 * step >= deadline else step
+
+
+@inlined_kernel
+def curvature_bound(line, w, i):
+    """Return the bound of a quantity's distance from the line through two of its samples."""
+    return CURVATURE * w[(VALUES + NODES * SINES + line) * WIDTH + i]
+
+
+@inlined_kernel
+def stays_above(left, right, bound, least=-ON_AN_EVENT):
+    """Return whether a level with this curvature bound stays above zero between two places.
+
+    If its values there differ by more than four bounds, it is monotonic: it may then begin at
+    ``least`` and rise, or fall and end above zero.
+    """
+    rise = right - left
+    return (
+        (min(left, right) > bound)
+        | ((left >= least) & (rise > 4.0 * bound))
+        | ((right > 0.0) & (rise < -4.0 * bound))
+    )
+
+
+@inlined_kernel
+def one_stays_above(left, right, bounds):
+    """Return whether one of four quantities ``stays_above``, and with it the largest of them.
+
+    A quantity that begins below zero does not: the others decide until it rises.
+    """
+    return (
+        stays_above(left[0], right[0], bounds[0], -REST_SLIP)
+        | stays_above(left[1], right[1], bounds[1], -REST_SLIP)
+        | stays_above(left[2], right[2], bounds[2], -REST_SLIP)
+        | stays_above(left[3], right[3], bounds[3], -REST_SLIP)
+    )
+
+
+@inlined_kernel
+def _subintervals(first, second, third, fourth):
+    """Mask of the subintervals in which a level does not stay above zero."""
+    early = (0.0 if first else 1.0) + (0.0 if second else 2.0)
+    return early + (0.0 if third else 4.0) + (0.0 if fourth else 8.0)
+
+
+@inlined_kernel
+def _levels_of(lanes, which, w, i):
+    """Return the level of an event at each node."""
+    return tuple(w[sample_line(lanes, which, node) * WIDTH + i] for node in range(NODES))
+
+
+@inlined_kernel
+def _quantities_at(lanes, which, node, w, i):
+    """Return the quantities of an event at a node; their bounds, at node NODES."""
+    return tuple(
+        w[quantity_line(lanes, which, node, part) * WIDTH + i] for part in range(QUANTITIES)
+    )
+
+
+@inlined_kernel
+def _screen_single(lanes, which, w):
+    """Add the bit of an event in lanes where its level, of one quantity, may reach zero."""
+    bit = float(1 << which)
+    for i in each_lane():
+        above = min(_levels_of(lanes, which, w, i)) - w[(lanes.bounds + which) * WIDTH + i]
+        w[CANDIDATES * WIDTH + i] += 0.0 if above > 0.0 else bit
+
+
+@inlined_kernel
+def _is_clear(lanes, which, part, least, w, i):
+    """Return whether a quantity stays above its bound, and above ``least``, at every node."""
+    values = tuple(w[quantity_line(lanes, which, n, part) * WIDTH + i] for n in range(NODES))
+    return min(values) > max(least, w[quantity_line(lanes, which, NODES, part) * WIDTH + i])
+
+
+@inlined_kernel
+def _screen_combined(lanes, which, w):
+    """Add the bit of an event in lanes where the largest of its quantities may reach zero.
+
+    It stays above zero if one of the quantities does.
+    """
+    bit, least = float(1 << which), TOO_FLAT_TO_TELL if is_partial(lanes, which) else 0.0
+    for i in each_lane():
+        is_clear = (
+            _is_clear(lanes, which, 0, least, w, i)
+            | _is_clear(lanes, which, 1, least, w, i)
+            | _is_clear(lanes, which, 2, least, w, i)
+            | _is_clear(lanes, which, 3, least, w, i)
+            | (w[sample_line(lanes, which, 0) * WIDTH + i] == NEVER)
+        )
+        w[CANDIDATES * WIDTH + i] += 0.0 if is_clear else bit
+
+
+@kernel
+def _screen(lanes, applicable, w):
+    """Write the candidates of each lane among the events that may apply."""
+    for i in each_lane():
+        w[CANDIDATES * WIDTH + i] = 0.0
+    while applicable != 0:
+        which = lowest_bit(applicable)
+        applicable &= applicable - 1
+        if which < lanes.events.combined:
+            _screen_combined(lanes, which, w)
+        else:
+            _screen_single(lanes, which, w)
+
+
+@inlined_kernel
+def _set_subintervals(lanes, which, mask, w, i):
+    w[(lanes.subintervals + which) * WIDTH + i] = mask
+    w[CANDIDATES * WIDTH + i] += float(1 << which) if mask > 0.0 else 0.0
+
+
+@inlined_kernel
+def _find_single(lanes, which, w):
+    """Write the subintervals that may contain a down-crossing of a level of one quantity."""
+    for i in each_lane():
+        g, bound = _levels_of(lanes, which, w, i), w[(lanes.bounds + which) * WIDTH + i]
+        mask = _subintervals(
+            stays_above(g[0], g[1], bound), stays_above(g[1], g[2], bound),
+            stays_above(g[2], g[3], bound), stays_above(g[3], g[4], bound),
+        )  # fmt: skip
+        _set_subintervals(lanes, which, 0.0 if g[0] == NEVER else mask, w, i)
+
+
+@inlined_kernel
+def _find_combined(lanes, which, w):
+    """Write the subintervals that may contain a down-crossing of the largest of quantities."""
+    partial = is_partial(lanes, which)
+    for i in each_lane():
+        bounds = _quantities_at(lanes, which, NODES, w, i)
+        q = tuple(_quantities_at(lanes, which, node, w, i) for node in range(NODES))
+        mask = _subintervals(
+            one_stays_above(q[0], q[1], bounds), one_stays_above(q[1], q[2], bounds),
+            one_stays_above(q[2], q[3], bounds), one_stays_above(q[3], q[4], bounds),
+        )  # fmt: skip
+        # In a nearly flat part, a level at zero to rounding may already be negative.
+        g = _levels_of(lanes, which, w, i)
+        mask = float(ALL_SUBINTERVALS) if partial & (min(g) < TOO_FLAT_TO_TELL) else mask
+        _set_subintervals(lanes, which, 0.0 if g[0] == NEVER else mask, w, i)
+
+
+@kernel
+def _find(lanes, w):
+    """Write the candidates that remain, with their subintervals."""
+    candidates = 0
+    for i in range(WIDTH):
+        candidates |= int(w[CANDIDATES * WIDTH + i])
+        w[CANDIDATES * WIDTH + i] = 0.0
+    while candidates != 0:
+        which = lowest_bit(candidates)
+        candidates &= candidates - 1
+        if which < lanes.events.combined:
+            _find_combined(lanes, which, w)
+        else:
+            _find_single(lanes, which, w)
+
+
+@kernel
+def _end_steps(lanes, w):
+    """Write the state at the end of every step, with sticking contacts at rest."""
+    for i in each_lane():
+        end = state_in_lane(w, VALUES + (NODES - 1) * SINES, i)
+        end = without_slip(end, constants_of_lane(lanes, w, i), mode_of_lane(lanes, w, i))
+        store_state_in_lane(end, w, END, i)
+
+
+@kernel
+def step_all(lanes, kind, applicable, control, addresses, w):
+    """Make one step in every lane, and find the candidates for events in it.
+
+    ``applicable`` is the mask of the events that may apply in any lane; ``addresses`` are those of
+    ``Series``.
+    """
+    _set_sines(lanes, w)
+    carries_error = control.carries_error != 0.0
+    for i in each_lane():
+        w[LAST_ORDER * WIDTH + i] = ORDER + REMAINDER * carries_error
+    fill_series(lanes, kind, addresses, w)
+    if carries_error:
+        fill_errors(lanes, kind, addresses, w)
+    _set_lengths(lanes, w)
+    sample_series(lanes, w)
+    sample_levels(lanes, applicable, w)
+    _screen(lanes, applicable, w)
+    _find(lanes, w)
+    _end_steps(lanes, w)
+    if carries_error:
+        errors_at_ends(lanes, w)

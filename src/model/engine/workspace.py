@@ -1,0 +1,130 @@
+"""The SIMD workspace: WIDTH runs in the same kind of mode, one in each lane of a vector.
+
+A line of the workspace ``w`` holds one number per lane: line n of lane i is ``w[n * WIDTH + i]``.
+Loops over lanes are plain arithmetic, so that the compiler vectorizes them; the series are written
+for vectors (series_code.py). scheduling.py copies runs into lanes, step.py fills the other lines,
+and event_search.py, peaks.py and carried_error.py read them lane by lane.
+
+Lanes hold the modes in which the part rests on A1 or flies, alone or with A2 on its left side face;
+in the insertion scene also those on A2, and those in the slot (mode_kinds.py lists their kinds).
+Other modes, and printed variants of the equations, are left to the reference engine.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from model.compile.kernels import inlined_kernel
+from model.compile.vector_code import WIDTH
+from model.engine.scalar.tableaux import Array
+from model.engine.series import GIVEN, SYMBOLS, EventQuantities
+from model.engine.series_layout import FURTHER_LINES, LINES, NODES, ORDERS, SINES, TILT
+from model.events.table import PLACES_OF_CONTACT
+from model.physics.modes import MODE_KINDS, START, Mode
+from model.physics.notation import STATE_SIZE, State
+
+# Lines: constants and signs of the slips, the mode, then numbers of the lanes and of their step.
+MODE_LINE = GIVEN  # in the order of ``Mode``
+(
+    TIME,
+    DEADLINE,
+    TOLERANCE,
+    LONGEST,  # step
+    STEP_LENGTH,
+    APPLICABLE,  # mask of the events that may apply in the mode
+    CANDIDATES,  # mask of the events that may happen in the step
+    LAST_ORDER,  # of the states' series
+) = range(MODE_LINE + len(Mode._fields), MODE_LINE + len(Mode._fields) + 8)
+END = LAST_ORDER + 1
+ERROR_AT_END = END + STATE_SIZE  # the error that a run carries, at the end of the step
+ERROR = (
+    ERROR_AT_END + STATE_SIZE
+)  # series of the error that a run carries, in the layout of COEFFICIENTS
+# The tilt and the event quantities at each node, and their curvature bounds.
+VALUES = ERROR + ORDERS * (LINES + FURTHER_LINES)
+COEFFICIENTS = VALUES + (NODES + 1) * SINES
+EVENT_LINES = COEFFICIENTS + ORDERS * (LINES + FURTHER_LINES)  # lines of the events follow
+
+LINE = {"tilt": TILT} | {name: STATE_SIZE + n for n, name in enumerate(EventQuantities._fields)}
+FACE_LOAD, SIDE_LOAD, CORNER_LOAD, WALL_LOAD = (
+    LINE[f"{contact}_load"] for contact in ("face", "side", "corner", "wall")
+)
+EDGE, SIDE, WALL = map(PLACES_OF_CONTACT.index, ("edge", "side", "wall"))
+CONTACTS_AT = FACE_LOAD  # the first line that is neither a state nor a place
+
+
+@inlined_kernel
+def loads_of(mode):
+    """Return (line, normal state, index in ``PLACES_OF_CONTACT``) of the load of each contact.
+
+    Lanes hold no corner on the flat base.
+    """
+    return (
+        (FACE_LOAD, mode.face, SIDE if mode.in_slot else EDGE), (SIDE_LOAD, mode.side, SIDE),
+        (CORNER_LOAD, mode.corner, WALL), (WALL_LOAD, mode.wall, WALL),
+    )  # fmt: skip
+
+
+_CACHE_LINE = 64  # bytes
+
+
+def new_workspace(lines: int) -> Array:
+    """Return a workspace of ``lines`` lines, aligned to cache lines."""
+    count, more = lines * WIDTH, _CACHE_LINE // 8
+    numbers = np.zeros(count + more)
+    first = -numbers.ctypes.data % _CACHE_LINE // 8
+    return numbers[first : first + count]
+
+
+@inlined_kernel
+def _given_in(symbol, w, i):
+    """Return a constant of lane ``i``, of which ``SYMBOLS`` tells the place."""
+    return 0.0 if isinstance(symbol, float) else w[symbol.constant[1] * WIDTH + i]
+
+
+@inlined_kernel
+def constants_of_lane(lanes, w, i):
+    """Return the constants of lane ``i``, of a plane part or a round one; consistent variants."""
+    return lanes.events.constants(*(_given_in(symbol, w, i) for symbol in SYMBOLS))
+
+
+@inlined_kernel
+def state_in_lane(w, first, i):
+    """Return the ``State`` of lane ``i`` from line ``first`` on."""
+    return State(*(w[(first + n) * WIDTH + i] for n in range(STATE_SIZE)))
+
+
+@inlined_kernel
+def store_state_in_lane(q, w, first, i):
+    """Write a ``State`` of lane ``i`` from line ``first`` on."""
+    for n, value in enumerate(q):
+        w[(first + n) * WIDTH + i] = value
+
+
+# Numbers of the fields of ``Mode`` that lanes hold in the alignment scene, and in the insertion
+# scene. All others are as in ``START``.
+VARIED = tuple(map(Mode._fields.index, ("face", "support_slip", "side", "side_slip", "dropped")))
+VARIED_IN_SLOT = tuple(n for n, name in enumerate(Mode._fields) if name != "corner_offset")
+
+
+@inlined_kernel
+def mode_of_lane(lanes, w, i):
+    """Return the ``Mode`` of lane ``i``; ``lanes.varied`` are the fields that differ."""
+    fields: Any = tuple(
+        kind(w[(MODE_LINE + n) * WIDTH + i]) if n in lanes.varied else START[n]
+        for n, kind in enumerate(MODE_KINDS)
+    )
+    return Mode(*fields)
+
+
+@inlined_kernel
+def copy_mode(lanes, runs, i, first, w, lane):
+    """Copy the mode of run ``i``, which begins at column ``first``, into a lane."""
+    for n in lanes.varied:
+        w[(MODE_LINE + n) * WIDTH + lane] = runs[i, first + n]
+
+
+@inlined_kernel
+def lowest_bit(mask):
+    """Return the index of the lowest set bit: the exponent of its value as a float."""
+    return (np.float64(mask & -mask).view(np.int64) >> 52) - 1023

@@ -1,1 +1,0 @@
-"""The batch engine: many runs in the lanes of vectors."""

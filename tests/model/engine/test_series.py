@@ -1,0 +1,462 @@
+"""Series of the batch engine: they solve the equations of motion and give event quantities."""
+
+import numpy as np
+import pytest
+from numpy.polynomial.polynomial import polyval
+
+from model.compile.entries import compiled
+from model.compile.vector_code import WIDTH
+from model.engine import event_search, lane_events, peaks, series_kernels, step, workspace
+from model.engine.event_search import first_crossing
+from model.engine.lane_events import (
+    QUANTITIES,
+    TERMS,
+    applicable_in,
+    is_partial,
+    lane_events_of,
+)
+from model.engine.lane_events import kind_of as kind_of_mode
+from model.engine.mode_kinds import (
+    ALIGNMENT_KINDS,
+    BETWEEN_WALLS,
+    FREE,
+    INSERTION_KINDS,
+    ON_LEFT_EDGE,
+    ON_RIGHT_EDGE,
+    SIDE_CONTACTS,
+    SLIDES,
+    STICKS,
+    ModeKind,
+)
+from model.engine.series import GIVEN, LANE_CONSTANTS, EventQuantities
+from model.engine.series_layout import (
+    ERROR_ORDER,
+    FRACTIONS,
+    LINES,
+    NODES,
+    ORDER,
+    ORDERS,
+    SINES,
+    SUMMED_ORDERS,
+    TILT,
+)
+from model.engine.workspace import COEFFICIENTS, CONTACTS_AT, LAST_ORDER, new_workspace
+from model.events.event_functions import NEVER
+from model.events.insertion import INSERTION
+from model.events.kernels import in_kernels
+from model.events.scenes import ALIGNMENT
+from model.events.sources import CornerPositions, corner_positions
+from model.events.table import number_of
+from model.physics.contacts import contact_load, corner_on_wall, edge_on_side, support_on_face
+from model.physics.modes import CLOSED, OPEN, RELEASED, START, STICKING, Mode
+from model.physics.motion import motion_at
+from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
+from model.physics.parameters import Constants
+from vibralign import Settings
+
+FACE, SUPPORT_SLIP, SIDE, SIDE_SLIP = (
+    workspace.MODE_LINE + Mode._fields.index(name)
+    for name in ("face", "support_slip", "side", "side_slip")
+)
+KINDS = FREE, SLIDES, STICKS
+KIND_NAMES = {FREE: "free", SLIDES: "slides", STICKS: "sticks"}
+SHAPES = "square", "round"
+each_kind = pytest.mark.parametrize(
+    ("shape", "support", "side"),
+    [(shape, support, side) for shape in SHAPES for support in KINDS for side in KINDS],
+    ids=lambda value: KIND_NAMES.get(value, value),
+)
+NORMAL = {FREE: OPEN, SLIDES: CLOSED, STICKS: CLOSED}
+
+
+LANES = {shape: lane_events_of(in_kernels(ALIGNMENT, shape == "round").events) for shape in SHAPES}
+crossing, enter_series, fill_series, largest_force, largest_tilt, motion, step_all = map(
+    compiled,
+    (
+        event_search.crossing, lane_events.enter_series, series_kernels.fill_series,
+        peaks.largest_force, peaks.largest_tilt, motion_at, step.step_all,
+    ),
+)  # fmt: skip
+
+
+def kind_of(support: int, side: int) -> int:
+    """Return the number of the kind of mode with these states of A1 and A2."""
+    return ALIGNMENT_KINDS.index(ModeKind(ON_RIGHT_EDGE, support, side))
+
+
+PLACES = [name for name in EventQuantities._fields if name in CornerPositions._fields]
+
+
+class Step:
+    """One step of WIDTH random runs in the same kind of mode, of at most ``longest``."""
+
+    def __init__(
+        self,
+        support: int,
+        side: int,
+        longest: float,
+        tolerance: float = 1e-300,
+        displacement: float | np.ndarray = 0.0,
+        shape: str = "square",
+        *,
+        lossless: bool = False,
+    ) -> None:
+        rng = np.random.default_rng(8 * support + side)
+        lanes = self.lanes = LANES[shape]
+        self.watched = [each.number for each in lanes.all]
+        flat = new_workspace(lanes.lines)
+        self.w = flat.reshape(lanes.lines, WIDTH)
+        self.w[: GIVEN - 2] = rng.uniform(0.5, 1.5, (GIVEN - 2, WIDTH))
+        named = dict(
+            zip(np.array(Constants._fields)[LANE_CONSTANTS].tolist(), self.w, strict=False)
+        )
+        named["contact_stiffness"][:] = 50.0
+        named["friction"][:] = 0.3
+        for name in named if lossless else ():
+            if name == "friction" or name.endswith("_damping"):
+                named[name][:] = 0.0
+        self.w[GIVEN - 2 : GIVEN] = rng.choice([-1.0, 1.0], (2, WIDTH))
+        self.w[workspace.TIME], self.w[workspace.DEADLINE] = 0.3, 10.0
+        self.w[workspace.TOLERANCE], self.w[workspace.LONGEST] = tolerance, longest
+        self.w[FACE], self.w[SIDE] = NORMAL[support], NORMAL[side]
+        signs = self.w[GIVEN - 2 : GIVEN]
+        self.w[SUPPORT_SLIP] = 0.0 if support == STICKS else signs[0]
+        self.w[SIDE_SLIP] = 0.0 if side == STICKS else signs[1]
+        state = rng.uniform(-0.3, 0.3, (6, WIDTH))
+        if shape == "round":  # with tips: the part over the rim of the hole
+            named["slot_half_width"][:] = 1.1 * named["half_width"]
+            state[0] = named["half_width"] * (0.6 + state[0])
+        self.w[COEFFICIENTS : COEFFICIENTS + 6] = state + displacement
+        self.w[workspace.ERROR : workspace.ERROR + 6] = displacement
+        control = Settings().control._replace(carries_error=1.0)
+        kind = kind_of(support, side)
+        self.applicable = int(applicable_in(lanes, kind, self.constants(0), self.mode(0)))
+        self.w[workspace.APPLICABLE] = self.applicable
+        for number in (kind, len(ALIGNMENT_KINDS) + kind):
+            lanes.series.load(number)
+        step_all(lanes, kind, self.applicable, control, lanes.series.addresses, flat)
+        coefficients = self.w[COEFFICIENTS : COEFFICIENTS + ORDERS * LINES]
+        self.further = coefficients.reshape(ORDERS, LINES, WIDTH)
+        self.series = self.further[: ORDER + 1]
+
+    def constants(self, lane: int) -> Constants:
+        values = np.zeros(len(Constants._fields))
+        values[LANE_CONSTANTS] = self.w[: GIVEN - 2, lane]
+        return self.lanes.events.constants(*values.tolist())
+
+    def mode(self, lane: int) -> Mode:
+        face, slip, side, side_slip = (
+            int(self.w[line, lane]) for line in (FACE, SUPPORT_SLIP, SIDE, SIDE_SLIP)
+        )
+        return Mode(RIGHT_EDGE, face, OPEN, 0.0, False, slip, side, side_slip, False)
+
+    def applies(self, which: int, lane: int) -> bool:
+        """Return whether an event applies in the mode of a lane."""
+        applies = self.w[self.lanes.samples + which, lane] != NEVER
+        return bool(applies and self.applicable & 1 << which)
+
+    def at(self, time: float | np.ndarray, lane: int) -> np.ndarray:
+        """States and event quantities at ``time`` after the start of the step."""
+        return np.power.outer(time, np.arange(len(self.series))) @ self.series[:, :SINES, lane]
+
+    def rates(self, time: float, lane: int) -> np.ndarray:
+        """Time derivatives of the states at ``time`` after the start of the step."""
+        orders = np.arange(1, len(self.series))
+        return (orders * time ** (orders - 1)) @ self.series[1:, :6, lane]
+
+
+def residual(step: Step, time: float) -> float:
+    """Largest difference, over all lanes, between the series and the equations of motion."""
+    missed = 0.0
+    for lane in range(WIDTH):
+        q = State(*step.at(time, lane)[:6].tolist())
+        at = motion(0.3 + time, q, step.constants(lane), step.mode(lane))
+        right = np.array([q.x_rate, q.y_rate, q.tilt_rate, at.x, at.y, at.tilt])
+        missed = max(missed, float(np.abs(step.rates(time, lane) - right).max()))
+    return missed
+
+
+@each_kind
+def test_a_carried_error_is_the_derivative_of_the_series(shape, support, side):
+    # The series are linearised at the displaced state: at the highest order that is a difference of
+    # some hundred displacements.
+    error = 1e-8 * np.random.default_rng(0).uniform(-1.0, 1.0, (6, WIDTH))
+    more, less = (
+        Step(support, side, 0.1, displacement=each, shape=shape) for each in (error, -error)
+    )
+    errors = more.w[workspace.ERROR :][: ORDERS * LINES].reshape(ORDERS, LINES, WIDTH)
+    found = errors[: ERROR_ORDER + 1, :6]
+    expected = 0.5 * (more.series - less.series)[: ERROR_ORDER + 1, :6]
+    size = np.abs(expected).max(axis=1, keepdims=True)
+    assert np.abs(found - expected).max() < 1e-5 * size.max()
+    assert (np.abs(found - expected) < 1e-5 * size + 1e-14).all()
+
+
+@each_kind
+def test_the_series_solve_the_equations_of_motion_to_their_order(
+    shape: str, support: int, side: int
+) -> None:
+    step = Step(support, side, 0.1, shape=shape)
+    assert residual(step, 1e-3) < 1e-10
+    for series in (step.series, step.further):
+        step.series = series
+        # The residual falls by 2^-15 if the time is halved: times closer than that are needed for
+        # enough residuals above rounding.
+        times = 2.0 * 0.9 ** np.arange(60)
+        missed = np.array([residual(step, time) for time in times])
+        clean = (missed < 1e-4) & (missed > 1e-11)
+        assert clean.sum() >= 5
+        slope = np.polyfit(np.log(times[clean]), np.log(missed[clean]), 1)[0]
+        assert slope >= 0.95 * (len(step.series) - 2)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_the_series_keep_energy_without_damping_and_friction(shape: str) -> None:
+    """Energy of motion, springs and base changes by the work of press and excitation alone."""
+    step = Step(SLIDES, SLIDES, 0.1, shape=shape, lossless=True)
+    nodes, weights = np.polynomial.legendre.leggauss(12)
+    end = 0.02
+    for lane in range(WIDTH):
+        p = step.constants(lane)
+
+        def energy(time: float, lane: int = lane, p: Constants = p) -> float:
+            q = State(*step.at(time, lane)[:6].tolist())
+            moving = q.x_rate**2 + q.y_rate**2 + p.inertia * q.tilt_rate**2
+            springs = p.lateral_stiffness * (q.x - p.rest_x) ** 2 + (q.y - p.rest_y) ** 2
+            springs += p.tilt_stiffness * (q.tilt - p.rest_tilt) ** 2
+            depths = support_on_face(RIGHT_EDGE, q, p).depth, edge_on_side(LEFT_EDGE, q, p).depth
+            return 0.5 * (moving + springs + p.contact_stiffness * np.square(depths).sum())
+
+        times = 0.5 * end * (nodes + 1.0)
+        force = p.press_force + np.sin(p.frequency * (0.3 + times) + p.phase)
+        work = -0.5 * end * weights @ (force * step.at(times, lane)[:, 4])
+        start = energy(0.0)
+        assert abs(energy(end) - start) > 1e-4
+        assert energy(end) - start == pytest.approx(work, abs=1e-11 * abs(start))
+
+
+def mode_of(kind: ModeKind, signs: np.ndarray) -> Mode:
+    """Return a mode of a kind, with these signs of the slips."""
+    support, side = SIDE_CONTACTS[kind.support], SIDE_CONTACTS[kind.side]
+    slips = np.where([support.sticks, side.sticks], 0, signs).astype(int).tolist()
+    without_load = RELEASED if kind.place == ON_LEFT_EDGE else OPEN
+    return START._replace(
+        edge=LEFT_EDGE if kind.place == ON_LEFT_EDGE else RIGHT_EDGE,
+        face=CLOSED if support.edge else without_load, corner=int(support.corner),
+        slip_at_corner=support.slip_at_corner, support_slip=slips[0],
+        side=int(side.edge), wall=int(side.corner), slip_at_wall=side.slip_at_corner,
+        side_slip=slips[1],
+        dropped=True, in_slot=kind.place == BETWEEN_WALLS,
+    )  # fmt: skip
+
+
+def test_a_mode_has_the_number_of_its_kind():
+    inserting = lane_events_of(in_kernels(INSERTION).events)
+    for number, kind in enumerate(INSERTION_KINDS):
+        assert kind_of_mode(inserting, mode_of(kind, np.array([-1, 1]))) == number
+        assert kind_of_mode(LANES["square"], mode_of(kind, np.array([1, 1]))) == (
+            number if kind in ALIGNMENT_KINDS else -1
+        )
+    on_flat = START._replace(face=OPEN, corner=CLOSED, slip_at_corner=True)
+    assert kind_of_mode(inserting, on_flat) == kind_of_mode(LANES["square"], on_flat) == -1
+
+
+@pytest.mark.parametrize("kind", INSERTION_KINDS)
+@pytest.mark.parametrize("shape", SHAPES)
+def test_the_series_of_the_insertion_scene_solve_the_equations_of_motion(shape, kind):
+    rng = np.random.default_rng(kind)
+    flat = new_workspace(workspace.EVENT_LINES)
+    w = flat.reshape(-1, WIDTH)
+    w[: GIVEN - 2] = rng.uniform(0.5, 1.5, (GIVEN - 2, WIDTH))
+    line = {name: n for n, name in enumerate(np.array(Constants._fields)[LANE_CONSTANTS].tolist())}
+    if shape == "round":
+        w[line["slot_half_width"]] = 1.1 * w[line["half_width"]]
+    w[line["contact_stiffness"]], w[line["friction"]] = 50.0, 0.3
+    signs = rng.choice([-1.0, 1.0], (2, WIDTH))
+    w[GIVEN - 2 : GIVEN] = signs
+    state = rng.uniform(-0.02, 0.02, (6, WIDTH))
+    # B1 is a tenth behind the wall, and so is A1 behind the face, but for the small tilt; likewise
+    # B2 and A2 where both press.
+    a, b = w[line["half_width"]], w[line["half_height"]]
+    state[0] = w[line["slot_half_width"]] + 0.1 - a * np.cos(state[2]) - b * np.sin(state[2])
+    if SIDE_CONTACTS[kind.side].edge and SIDE_CONTACTS[kind.side].corner:
+        state[0] = a * np.cos(state[2]) - b * np.sin(state[2]) - w[line["slot_half_width"]] - 0.1
+    if shape == "round" and kind.place == ON_LEFT_EDGE:  # tips over A2
+        state[0] *= -1.0
+    w[COEFFICIENTS : COEFFICIENTS + 6] = state
+    angle = w[line["frequency"]] * 0.3 + w[line["phase"]]
+    sines = np.sin(state[2]), np.cos(state[2]), np.sin(angle), np.cos(angle)
+    w[COEFFICIENTS + SINES : COEFFICIENTS + SINES + 4] = sines
+    w[LAST_ORDER] = ORDER
+    lanes = lane_events_of(in_kernels(INSERTION, shape == "round").events)
+    number = INSERTION_KINDS.index(kind)
+    lanes.series.load(number)
+    fill_series(lanes, number, lanes.series.addresses, flat)
+    series = w[COEFFICIENTS : COEFFICIENTS + (ORDER + 1) * LINES].reshape(ORDER + 1, LINES, WIDTH)
+    time, orders = 1e-3, np.arange(1, ORDER + 1)
+    for lane in range(WIDTH):
+        values = np.zeros(len(Constants._fields))
+        values[LANE_CONSTANTS] = w[: GIVEN - 2, lane]
+        p, mode = lanes.events.constants(*values.tolist()), mode_of(kind, signs[:, lane])
+        found = time ** np.arange(ORDER + 1) @ series[:, :SINES, lane]
+        q = State(*found[:6].tolist())
+        at = motion(0.3 + time, q, p, mode)
+        right = [q.x_rate, q.y_rate, q.tilt_rate, at.x, at.y, at.tilt]
+        rates = (orders * time ** (orders - 1)) @ series[1:, :6, lane]
+        assert rates == pytest.approx(right, rel=1e-9, abs=1e-9)
+        edges = [edge_on_side(each, q, p) for each in (RIGHT_EDGE, LEFT_EDGE)]
+        corners = [corner_on_wall(each, q, p) for each in (RIGHT_EDGE, LEFT_EDGE)]
+        if not mode.in_slot:
+            edges[0] = support_on_face(mode.edge, q, p)
+        loads = [contact_load(each.depth, each.closing_rate, q, p) for each in (*edges, *corners)]
+        loads[2] *= mode.in_slot
+        lines = [workspace.LINE[f"{each}_load"] for each in ("face", "side", "corner", "wall")]
+        assert found[lines] == pytest.approx(loads, rel=1e-9)
+        slips = [
+            (corners[0] if mode.slip_at_corner else edges[0]).slip,
+            (corners[1] if mode.slip_at_wall else edges[1]).slip,
+        ]
+        if SIDE_CONTACTS[kind.support].sticks:
+            slips[0] = at.support_friction
+        if SIDE_CONTACTS[kind.side].sticks:
+            slips[1] = at.side_friction
+        frictions = [workspace.LINE[f"{each}_friction"] for each in ("support", "side")]
+        assert found[frictions] == pytest.approx(slips, rel=1e-9)
+
+
+@each_kind
+def test_event_quantities_equal_the_scalar_functions(shape: str, support: int, side: int) -> None:
+    step = Step(support, side, 0.1, shape=shape)
+    for lane in range(WIDTH):
+        for time in (0.0, 1e-3):
+            values = step.at(time, lane)
+            q, p, mode = State(*values[:6].tolist()), step.constants(lane), step.mode(lane)
+            places = [getattr(corner_positions(q, p), name) for name in PLACES]
+            at_places = values[[workspace.LINE[name] for name in PLACES]]
+            assert at_places == pytest.approx(places, rel=1e-11, abs=1e-11)
+            at = motion(0.3 + time, q, p, mode)
+            face, beside = support_on_face(RIGHT_EDGE, q, p), edge_on_side(LEFT_EDGE, q, p)
+            sticks = mode.support_slip == STICKING and mode.face == CLOSED
+            side_sticks = mode.side_slip == STICKING and mode.side == CLOSED
+            assert values[CONTACTS_AT : CONTACTS_AT + 4] == pytest.approx(
+                [
+                    contact_load(face.depth, face.closing_rate, q, p),
+                    at.support_friction if sticks else face.slip,
+                    contact_load(beside.depth, beside.closing_rate, q, p),
+                    at.side_friction if side_sticks else beside.slip,
+                ],
+                rel=1e-9,
+                abs=1e-9,
+            )
+
+
+SAMPLED_LINES = [TILT, *range(6, SINES - 3)]  # lines that are sampled at every node
+
+
+@each_kind
+def test_curvature_bounds_bound_the_distance_from_a_line(
+    shape: str, support: int, side: int
+) -> None:
+    step = Step(support, side, 0.05, tolerance=1e-6, shape=shape)
+    for lane in range(WIDTH):
+        length = step.w[workspace.STEP_LENGTH, lane]
+        bends = step.w[workspace.VALUES + NODES * SINES :][SAMPLED_LINES, lane]
+        for start in (0.0, 0.25, 0.5, 0.75):
+            left, middle, right = (
+                step.at((start + part) * length, lane)[SAMPLED_LINES] for part in (0.0, 0.125, 0.25)
+            )
+            off = np.abs(middle - 0.5 * (left + right))
+            assert (off <= 0.25**2 / 8.0 * bends * (1.0 + 1e-9) + 1e-12).all()
+
+
+def sampled(
+    step: Step, which: int, places: np.ndarray, series: np.ndarray, lane: int, last: int = ORDER
+) -> np.ndarray:
+    """A level from the series of its quantities, of either sign, to the last order."""
+    lanes, flat = step.lanes, step.w.reshape(-1)
+    functions, count = [], QUANTITIES if which < lanes.events.combined else 1
+    for sign in (1.0, -1.0):
+        enter_series(lanes, which, sign, series, flat, lane)
+        series.reshape(QUANTITIES, TERMS)[:, last + 1 :] = 0.0
+        functions.append(polyval(places, series.reshape(QUANTITIES, TERMS)[:count].T).max(axis=0))
+    return np.min(functions, axis=0)
+
+
+@each_kind
+def test_series_of_levels_are_those_of_the_levels(shape: str, support: int, side: int) -> None:
+    step, compared = Step(support, side, 0.4, tolerance=1e-6, shape=shape), 0
+    series = np.zeros(QUANTITIES * TERMS)
+    assert (step.w[workspace.STEP_LENGTH] > 0.03).all()
+    nodes, orders = (0.0, *FRACTIONS), (ORDER, *SUMMED_ORDERS)
+    lines = step.lanes.samples + step.lanes.events.count * np.arange(NODES)
+    for lane in range(WIDTH):
+        for which in step.watched:
+            expected = step.w[lines + which, lane]
+            if step.applies(which, lane):
+                found = np.concatenate([
+                    sampled(step, which, np.array([node]), series, lane, last)
+                    for node, last in zip(nodes, orders, strict=True)
+                ])  # fmt: skip
+                assert found == pytest.approx(expected, rel=1e-10, abs=1e-11)
+                compared += 1
+    assert compared >= 5 * WIDTH
+
+
+@each_kind
+def test_peaks_are_those_of_the_step_or_its_part(shape: str, support: int, side: int) -> None:
+    step = Step(support, side, 0.4, tolerance=1e-6, shape=shape)
+    assert (step.w[workspace.STEP_LENGTH] > 0.03).all()
+    for lane in range(WIDTH):
+        length = step.w[workspace.STEP_LENGTH, lane]
+        for until in (1.0, 0.6, 0.1):
+            course = step.at(np.linspace(0, until, 3001) * length, lane)
+            lines = [CONTACTS_AT, CONTACTS_AT + 2]
+            forces = course[:, lines]
+            flat = step.w.reshape(-1)
+            tilt = largest_tilt(0.0, until, flat, lane)
+            assert tilt == pytest.approx(np.abs(course[:, TILT]).max(), rel=1e-6)
+            for line, force in zip(lines, forces.T, strict=True):
+                found = largest_force(line, 0.0, until, flat, lane)
+                assert found == pytest.approx(max(force.max(), 0.0), rel=1e-6)
+
+
+def test_the_first_fall_is_found_however_short_what_follows() -> None:
+    # Against 1,001 samples of every level that applies, on steps ten times as long as usual.
+    places, short, fell = np.linspace(0.0, 1.0, 1001), 0, 0
+    series = np.zeros(QUANTITIES * TERMS)
+    for support in KINDS:
+        for side in KINDS:
+            step = Step(support, side, 0.4, tolerance=1e-2)
+            flat = step.w.reshape(-1)
+            for lane in range(WIDTH):
+                for which in step.watched:
+                    if not step.applies(which, lane) or is_partial(step.lanes, which):
+                        continue
+                    values = sampled(step, which, places, series, lane)
+                    if values[0] <= 1e-6:
+                        continue
+                    below = np.flatnonzero(values < 0.0)
+                    quarters = int(step.w[step.lanes.subintervals + which, lane])
+                    if below.size == 0:
+                        continue
+                    assert quarters & 1 << min(int(4.0 * places[below[0] - 1]), 3)
+                    theta = crossing(step.lanes, which, 1.0, series, flat, lane)
+                    fell += 1
+                    assert places[below[0] - 1] <= theta <= places[below[0]]
+                    nodes = values[:: (places.size - 1) // 4]
+                    short += bool((nodes > 0.0).all())
+    assert fell > 50
+    assert short > 0  # what begins and ends between two of the step's own samples
+
+
+def test_a_fall_soon_after_a_level_has_left_zero_is_found() -> None:
+    # Set 80389 of the insertion fuzz: A1 leaves the face, returns, and soon passes its end, all in
+    # the first sixteenth of a step.
+    series = np.zeros((QUANTITIES, TERMS))
+    series[:, 0] = -1.0
+    series[0, :3] = 0.0, 0.05, -1.0
+    series[1, :2] = -0.06, 1.0
+    theta = first_crossing(
+        LANES["square"], number_of("right_edge_enters"), 1, 1.0, series.reshape(-1)
+    )
+    assert theta == pytest.approx(0.05)
