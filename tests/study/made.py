@@ -39,7 +39,9 @@ def made(name: str, tau: Callable[[Any, Any], Any], **results: Any) -> Figure:
         "unvibrated": Unvibrated.RESTS, "unvibrated_tilt": 0.05,
     }  # fmt: skip
     found = {
-        key: np.vectorize(of, otypes=[float])(rows, columns) if callable(of) else np.full(times.shape, of)
+        key: np.vectorize(of, otypes=[float])(rows, columns)
+        if callable(of)
+        else np.full(times.shape, of)
         for key, of in {**usual, **results}.items()
     }
     found |= {
@@ -96,66 +98,112 @@ WORLD: Mapping[str, Figure] = {
     "fig06": made("fig06", bumpy),
     "fig07": made("fig07", lambda f, m: 10.0 + (9.0 if f < 3.0 else 3.0) * m**0.4),
     "fig08": made("fig08", tilting, tilt_max=lambda v, k: 0.3 if np.isnan(tilting(v, k)) else 0.1),
-    "fig09": made("fig09", lambda f, k: f * 100.0 / k if k >= (10.0 if f > 1.0 else 2.0) else NAN,
-                  tilt_max=lambda _, k: 1.0 / k),
+    "fig09": made(
+        "fig09",
+        lambda f, k: f * 100.0 / k if k >= (10.0 if f > 1.0 else 2.0) else NAN,
+        tilt_max=lambda _, k: 1.0 / k,
+    ),
     "fig10": made("fig10", lambda v, i: i * (1.0 + v)),
     "fig11": made("fig11", lambda m, d: 10.0 + m - 30.0 * d),
     "fig12": made("fig12", lambda _, f: 5.0 + (f - 3.0) ** 2 if f < 7.0 else NAN),
     "fig13": made("fig13", lambda f, k: 20.0 / k + f / 10.0 if f <= k / 4.0 else NAN),
-    "fig14": made("fig14", lambda v, k: 20.0 / k + v if 3.0 <= k <= (35.0 if v <= 1.0 else 25.0 - v / 2.0)
-                  else NAN),
+    "fig14": made(
+        "fig14",
+        lambda v, k: 20.0 / k + v if 3.0 <= k <= (35.0 if v <= 1.0 else 25.0 - v / 2.0) else NAN,
+    ),
     "locked": locked(0.0),
-}  # fmt: skip
+}
 SLIDES = made("fig06", bumpy, unvibrated=Unvibrated.ALIGNS)
 HOPS = made("fig06", bumpy, separations=1)
 TOPPLES = made("fig06", bumpy, unvibrated=Unvibrated.LEAVES)
 # What makes an entry fail, one part after the other where it has several.
 WRONG: Mapping[str, Sequence[Figure]] = {
-    "L01": [made("fig13", lambda f, k: f + k if f < 5.0 else NAN), made("fig14", lambda v, k: v + k)],
+    "L01": [
+        made("fig13", lambda f, k: f + k if f < 5.0 else NAN),
+        made("fig14", lambda v, k: v + k),
+    ],
     "L02": [SLIDES, history(unvibrated=Unvibrated.ALIGNS)],
-    "L03": [history(x=lambda t: 0.2 + 0.02 * t), history(tilt=lambda t: 0.05 - 0.004 * t),
-            history(y=lambda t: 3.0 - 0.01 * t + 0.03 * np.sin(t))],
-    "L04": [history(tau_corners_inside=11.0), history(tilt_at_alignment=0.2),
-            history(tilt_at_alignment=-0.05),
-            history(contact_force=lambda t: np.where(t < 9.3, 2.0, np.where(t < 10.0, 0.1, 0.0))),
-            history(contact_force=lambda t: np.full(t.shape, 2.0))],
+    "L03": [
+        history(x=lambda t: 0.2 + 0.02 * t),
+        history(tilt=lambda t: 0.05 - 0.004 * t),
+        history(y=lambda t: 3.0 - 0.01 * t + 0.03 * np.sin(t)),
+    ],
+    "L04": [
+        history(tau_corners_inside=11.0),
+        history(tilt_at_alignment=0.2),
+        history(tilt_at_alignment=-0.05),
+        history(contact_force=lambda t: np.where(t < 9.3, 2.0, np.where(t < 10.0, 0.1, 0.0))),
+        history(contact_force=lambda t: np.full(t.shape, 2.0)),
+    ],
     "L05": [HOPS, history(separations=1)],
     "L06": [made("fig14", lambda v, k: k if 3.0 <= k <= (20.0 if v <= 1.0 else 25.0) else NAN)],
     "L07": [made("fig08", lambda _, k: k), made("fig09", lambda f, k: f * k)],
     "L08": [made("fig12", lambda _, f: 50.0 - f if f < 15.0 else NAN)],
-    "L09": [made("fig13", lambda f, k: k), made("fig13", lambda f, k: NAN if 2 < f < 8 and 10 < k < 20 or f > 15 else k),
-            made("fig14", lambda v, k: k if int(k) % 4 else NAN)],
-    "L10": [made("fig13", lambda f, k: k if int(k) % 2 else NAN),
-            made("fig14", lambda v, k: 1.0 + 0.001 * v if k > 34.0 or v < 0.3 else
-                 (0.1 if int(5.0 * v) % 2 else NAN))],
-    "L11": [made("fig13", lambda f, k: k if f <= k / 2.0 else NAN),
-            made("fig13", lambda f, k: k if f <= k / 8.0 else NAN)],
+    "L09": [
+        made("fig13", lambda _, k: k),
+        made("fig13", lambda f, k: NAN if (2 < f < 8 and 10 < k < 20) or f > 15 else k),
+        made("fig14", lambda _, k: k if int(k) % 4 else NAN),
+    ],
+    "L10": [
+        made("fig13", lambda _, k: k if int(k) % 2 else NAN),
+        made(
+            "fig14",
+            lambda v, k: (
+                1.0 + 0.001 * v if k > 34.0 or v < 0.3 else (0.1 if int(5.0 * v) % 2 else NAN)
+            ),
+        ),
+    ],
+    "L11": [
+        made("fig13", lambda f, k: k if f <= k / 2.0 else NAN),
+        made("fig13", lambda f, k: k if f <= k / 8.0 else NAN),
+    ],
     "L12": [made("fig13", lambda f, k: k if f < 19.0 or k < 5.0 else NAN)],
     "L13": [TOPPLES],
     "L14": [locked(0.02)],
-    "L15": [made("fig07", lambda f, m: 10.0 - 3.0 * f * m), made("fig07", lambda f, m: 10.0 + f * m**2),
-            made("fig07", lambda f, m: 10.0 + 9.0 * m**0.4)],
-    "L16": [made("fig07", lambda f, m: 10.0 + m**0.4), made("fig07", lambda f, m: 1.0 + m * (5.0 - f)),
-            made("fig07", lambda f, m: 10.0 + 9.0 * m**0.4)],
-    "L17": [made("fig09", lambda f, k: 100.0 / f / k), made("fig09", lambda f, k: 100.0 / k if f != 2.5 else 60.0 / k)],
-    "L18": [made("fig11", lambda m, d: 10.0 + 30.0 * d)],
-    "L19": [made("fig11", lambda m, d: 1.0 / d), made("fig11", lambda m, d: 30.0 - 500.0 * m * d)],
-    "L20": [made("fig14", lambda v, k: k), made("fig14", lambda v, k: k if k < 20.0 else NAN)],
-    "L21": [made("fig06", lambda k, f: 40.0 / f if k > 8.0 or f < 5.0 else NAN),
-            made("fig06", lambda k, f: 40.0 / f if f < k / 3.0 else NAN)],
-    "L22": [made("fig06", lambda k, f: 10.0 + f), made("fig06", lambda k, f: 40.0 / f if f < 9.0 else 40.0),
-            made("fig06", lambda k, f: (40.0 if k < 10.0 else 160.0) / (0.5 + f))],
-    "L23": [made("fig06", lambda k, f: 40.0 / f),
-            made("fig06", lambda k, f: float(np.interp(f, [0.25, 3.0, 4.0, 9.0], [20, 10, 14, 5]))),
-            made("fig06", lambda k, f: float(np.interp(f, [0.25, 0.5, 1.9, 9.0], [20, 10, 14, 5])))],
-    "L24": [made("fig12", lambda _, f: 30.0 - f), made("fig12", lambda _, f: 50.0 + (f - 10.0) ** 2 / 30.0)],
+    "L15": [
+        made("fig07", lambda f, m: 10.0 - 3.0 * f * m),
+        made("fig07", lambda f, m: 10.0 + f * m**2),
+        made("fig07", lambda _, m: 10.0 + 9.0 * m**0.4),
+    ],
+    "L16": [
+        made("fig07", lambda _, m: 10.0 + m**0.4),
+        made("fig07", lambda f, m: 1.0 + m * (5.0 - f)),
+        made("fig07", lambda _, m: 10.0 + 9.0 * m**0.4),
+    ],
+    "L17": [
+        made("fig09", lambda f, k: 100.0 / f / k),
+        made("fig09", lambda f, k: 100.0 / k if f != 2.5 else 60.0 / k),
+    ],
+    "L18": [made("fig11", lambda _, d: 10.0 + 30.0 * d)],
+    "L19": [made("fig11", lambda _, d: 1.0 / d), made("fig11", lambda m, d: 30.0 - 500.0 * m * d)],
+    "L20": [made("fig14", lambda _, k: k), made("fig14", lambda _, k: k if k < 20.0 else NAN)],
+    "L21": [
+        made("fig06", lambda k, f: 40.0 / f if k > 8.0 or f < 5.0 else NAN),
+        made("fig06", lambda k, f: 40.0 / f if f < k / 3.0 else NAN),
+    ],
+    "L22": [
+        made("fig06", lambda _, f: 10.0 + f),
+        made("fig06", lambda _, f: 40.0 / f if f < 9.0 else 40.0),
+        made("fig06", lambda k, f: (40.0 if k < 10.0 else 160.0) / (0.5 + f)),
+    ],
+    "L23": [
+        made("fig06", lambda _, f: 40.0 / f),
+        made("fig06", lambda _, f: float(np.interp(f, [0.25, 3.0, 4.0, 9.0], [20, 10, 14, 5]))),
+        made("fig06", lambda _, f: float(np.interp(f, [0.25, 0.5, 1.9, 9.0], [20, 10, 14, 5]))),
+    ],
+    "L24": [
+        made("fig12", lambda _, f: 30.0 - f),
+        made("fig12", lambda _, f: 50.0 + (f - 10.0) ** 2 / 30.0),
+    ],
     "L25": [made("fig08", lambda v, k: k if 4.0 <= k <= (30.0 if v != 10.0 else 35.0) else NAN)],
     "L26": [made("fig08", lambda _, k: k), made("fig08", tilting, tilt_max=0.1)],
     "L27": [made("fig09", lambda f, k: f / k if k >= 8.0 else NAN)],
     "L28": [made("fig10", lambda _, i: 5.0 - i)],
-    "L29": [made("fig09", lambda _, k: 10.0 - 0.01 * k, tilt_max=lambda _, k: 1.0 / k),
-            made("fig09", lambda _, k: 100.0 / k, tilt_max=lambda _, k: k / 100.0),
-            made("fig09", lambda _, k: 100.0 / k, tilt_max=lambda _, k: 10.0 / k),
-            made("fig09", lambda _, k: 200.0 if k <= 15.0 else 3.0 * k, tilt_max=lambda _, k: 1.0 / k)],
+    "L29": [
+        made("fig09", lambda _, k: 10.0 - 0.01 * k, tilt_max=lambda _, k: 1.0 / k),
+        made("fig09", lambda _, k: 100.0 / k, tilt_max=lambda _, k: k / 100.0),
+        made("fig09", lambda _, k: 100.0 / k, tilt_max=lambda _, k: 10.0 / k),
+        made("fig09", lambda _, k: 200.0 if k <= 15.0 else 3.0 * k, tilt_max=lambda _, k: 1.0 / k),
+    ],
     "L30": [made("fig08", lambda _, k: 100.0 / k)],
-}  # fmt: skip
+}

@@ -97,7 +97,13 @@ def cases_data() -> xr.Dataset:
     """
     verdicts = np.full((5, len(CLAIMS)), VERDICTS.index("not shown"), dtype=np.int8)
     verdicts[0], verdicts[1, ::2] = 0, 0
-    titles = ["as the study assumes", "off by 5 %", "first the press, then", "narrow", "narrow, pressed"]
+    titles = [
+        "as the study assumes",
+        "off by 5 %",
+        "first the press, then",
+        "narrow",
+        "narrow, pressed",
+    ]
     return xr.Dataset(
         {
             "verdict": (("case", "entry"), verdicts),

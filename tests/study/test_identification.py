@@ -132,12 +132,12 @@ def limits() -> Limits:
     ],
 )
 def test_a_limit_costs_by_how_much_it_is_missed(changes, cost) -> None:
-    regime = regime_of(made("fig06", lambda k, f: 1.0 if f <= 10.0 else NAN, **changes))
+    regime = regime_of(made("fig06", lambda _, f: 1.0 if f <= 10.0 else NAN, **changes))
     assert missed(limits(), "fig06", regime) == pytest.approx(cost)
 
 
 def test_a_figure_that_never_aligns_misses_every_limit() -> None:
-    nothing = regime_of(made("fig06", lambda k, f: NAN))
+    nothing = regime_of(made("fig06", lambda _, __: NAN))
     assert missed(limits(), "fig06", nothing) > 20.0
 
 

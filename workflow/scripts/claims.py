@@ -11,7 +11,9 @@ from study.claims.locked import locked_of
 from study.tracking.job import recorded, snakemake
 
 with recorded(snakemake):
-    figures = {Path(file).stem: figure_of(read_dataset(Path(file))) for file in snakemake.input.figures}
+    figures = {
+        Path(file).stem: figure_of(read_dataset(Path(file))) for file in snakemake.input.figures
+    }
     settings = RunSettings.model_validate(snakemake.params.settings).settings
     figures["locked"] = locked_of(figures, settings)
     lines = lines_of(judge(figures), snakemake.params.shares)

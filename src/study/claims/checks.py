@@ -53,15 +53,15 @@ def _of_aligned(of: Figures, flags: Callable[[Curve], Flags]) -> Numbers:
     yield "one", "Fig. 5", share(flags(own)[own.aligned])
 
 
-def L02(of: Figures) -> Numbers:
+def l02(of: Figures) -> Numbers:
     yield from _of_aligned(of, lambda runs: runs.result("unvibrated") != Unvibrated.ALIGNS)
 
 
-def L05(of: Figures) -> Numbers:
+def l05(of: Figures) -> Numbers:
     yield from _of_aligned(of, lambda runs: runs.result("separations") == 0)
 
 
-def L13(of: Figures) -> Numbers:
+def l13(of: Figures) -> Numbers:
     def rests(runs: Curve) -> Flags:
         tilted = np.abs(runs.result("unvibrated_tilt")) >= 0.001
         return np.asarray((runs.result("unvibrated") == Unvibrated.RESTS) & tilted)
@@ -69,7 +69,7 @@ def L13(of: Figures) -> Numbers:
     yield "all", "", next(_of_aligned(of, rests))[2]
 
 
-def L14(of: Figures) -> Numbers:
+def l14(of: Figures) -> Numbers:
     still, vibrated = (each.result("x_end") for each in of["locked"].curves)
     stays = np.abs(vibrated - still) <= 0.05 * 0.2
     yield "all", "", share(stays)
@@ -95,7 +95,7 @@ def _sampled(figure: Figure, name: str) -> Array:
     return np.convolve(values, np.full(wide, 1.0 / wide), mode="valid")
 
 
-def L03(of: Figures) -> Numbers:
+def l03(of: Figures) -> Numbers:
     for name, symbol, sign in (("x", "x", FALLS), ("tilt", "φ", RISES), ("y", "y", FALLS)):
         along = sign * _sampled(of["fig05"], name)
         span = float(np.ptp(along)) if along.size else NAN
@@ -104,7 +104,7 @@ def L03(of: Figures) -> Numbers:
         yield "back", symbol, float(fall / span)
 
 
-def L04(of: Figures) -> Numbers:
+def l04(of: Figures) -> Numbers:
     run, course = of["fig05"].whole, of["fig05"].course
     if not run.aligned.all():
         yield "inside", "", NAN
@@ -138,16 +138,16 @@ def _trend(trace: Trace, sign: float, part: str, where: str) -> Numbers:
     yield f"{part}, back", where, back(trace, sign)
 
 
-def L07(of: Figures) -> Numbers:
+def l07(of: Figures) -> Numbers:
     yield from _general([*judged(of["fig08"]), *judged(of["fig09"])], FALLS)
 
 
-def L08(of: Figures) -> Numbers:
+def l08(of: Figures) -> Numbers:
     best = [median([minimum(each)[0] for each in judged(of[n])]) for n in ("fig06", "fig12")]
     yield "apart", "", abs(best[0] - best[1])
 
 
-def L15(of: Figures) -> Numbers:
+def l15(of: Figures) -> Numbers:
     found = judged(of["fig07"])
     yield from _general(found, RISES)
     yield "bends", "", share(slopes(each, 0.1) >= 1.25 for each in found)
@@ -155,7 +155,7 @@ def L15(of: Figures) -> Numbers:
     yield "differs", "", ratio(max(rises), min(rises))
 
 
-def L16(of: Figures) -> Numbers:
+def l16(of: Figures) -> Numbers:
     found = judged(of["fig07"])
     soft, hard = ([t for t in found if (t.at < 3.0) is below] for below in (True, False))
     if not soft or not hard:
@@ -167,32 +167,31 @@ def L16(of: Figures) -> Numbers:
     yield "more", "", ratio(*usual)
 
 
-def L17(of: Figures) -> Numbers:
-    curves, found = of["fig09"].curves, traces(of["fig09"])
+def l17(of: Figures) -> Numbers:
+    found = traces(of["fig09"])
     common = sorted(set.intersection(*({*each.x.tolist()} for each in found)))
     if len(common) < FEWEST:
         raise MissingDataError(f"only {len(common)} k_φ at which all curves of Fig. 9 align")
     drops = [
         float(np.subtract(*np.interp([common[0], common[-1]], each.x, each.y))) for each in found
     ]
-    assert len(curves) == len(drops)
     yield "more", "", ratio(drops[-1], drops[0]) if drops[-1] > 0.0 else NAN
     for each, lower, higher in zip(found[1:], drops, drops[1:], strict=False):
         yield "in order", f"f0 = {each.at:g}", ratio(higher, lower) if lower > 0.0 else float("inf")
 
 
-def L18(of: Figures) -> Numbers:
+def l18(of: Figures) -> Numbers:
     yield from _general(judged(of["fig11"]), FALLS)
 
 
-def L19(of: Figures) -> Numbers:
+def l19(of: Figures) -> Numbers:
     lines = [line(each) for each in judged(of["fig11"])]
     yield "straight", "", share(departure <= SEEN for _, departure in lines)
     fitted = np.array([slope for slope, _ in lines])
     yield "alike", "", float(np.abs(fitted / fitted.mean() - 1.0).max())
 
 
-def L21(of: Figures) -> Numbers:
+def l21(of: Figures) -> Numbers:
     soft, stiff = (
         [each for each in of["fig06"].curves if each.at in values]
         for values in ((5.0, 7.0), (10.0, 20.0))
@@ -203,7 +202,7 @@ def L21(of: Figures) -> Numbers:
     yield "narrower", "", order(soft, stiff)
 
 
-def L22(of: Figures) -> Numbers:
+def l22(of: Figures) -> Numbers:
     found = traces(of["fig06"])
     soft = [one(found, value) for value in (5.0, 7.0)]
     slow = np.concatenate([each.y[each.x < 2.0] for each in soft])
@@ -215,7 +214,7 @@ def L22(of: Figures) -> Numbers:
         yield from _trend(each.between(0.0, 10.0), FALLS, "falls", f"k_φ = {each.at:g}")
 
 
-def L23(of: Figures) -> Numbers:
+def l23(of: Figures) -> Numbers:
     found = traces(of["fig06"])
     for value in (10.0, 20.0):
         where, first = f"k_φ = {value:g}", moves(one(found, value))[:3]
@@ -225,17 +224,17 @@ def L23(of: Figures) -> Numbers:
         yield "small", where, first[1][2] - first[1][1] if is_so else NAN
 
 
-def L24(of: Figures) -> Numbers:
+def l24(of: Figures) -> Numbers:
     yield "one", "", max(minimum(each)[1] for each in judged(of["fig12"]))
 
 
-def L25(of: Figures) -> Numbers:
+def l25(of: Figures) -> Numbers:
     curves = of["fig08"].curves
     slow, fast = ([c for c in curves if (c.at < 10.0) is below] for below in (True, False))
     yield "wider", "", order(slow, fast)
 
 
-def L26(of: Figures) -> Numbers:
+def l26(of: Figures) -> Numbers:
     def turns(curve: Curve) -> bool:
         aligned, tilt = curve.aligned, np.abs(curve.result("tilt_max"))
         soft = np.arange(aligned.size) < int(np.argmax(aligned))
@@ -245,18 +244,18 @@ def L26(of: Figures) -> Numbers:
     yield "most", "", share(turns(each) for each in of["fig08"].curves if each.at in kept)
 
 
-def L27(of: Figures) -> Numbers:
+def l27(of: Figures) -> Numbers:
     for curve in of["fig09"].curves:
         if curve.at >= 2.5:
             below = np.flatnonzero(curve.x < 10.0)[:-1]
             yield "none", f"f0 = {curve.at:g}", share(curve.aligned[below])
 
 
-def L28(of: Figures) -> Numbers:
+def l28(of: Figures) -> Numbers:
     yield from _general(judged(of["fig10"]), RISES)
 
 
-def L29(of: Figures) -> Numbers:
+def l29(of: Figures) -> Numbers:
     tau, tilt = (
         one(traces(of["fig09"], name), 1.0).between(10.0, np.inf)
         for name in ("tau_align", "tilt_max")
@@ -268,7 +267,7 @@ def L29(of: Figures) -> Numbers:
     yield from _trend(tau, FALLS, "falls", "")
 
 
-def L30(of: Figures) -> Numbers:
+def l30(of: Figures) -> Numbers:
     rows: dict[float, list[float]] = {}
     for each in traces(of["fig08"]):
         for x, y in zip(each.x.tolist(), each.y.tolist(), strict=True):
@@ -280,14 +279,14 @@ def L30(of: Figures) -> Numbers:
 # --- Maps -----------------------------------------------------------------------------------------
 
 
-def L01(of: Figures) -> Numbers:
+def l01(of: Figures) -> Numbers:
     for name in ("fig13", "fig14"):
         columns, where = of[name].columns, _words(name)
         yield "matched", where, max(edge_shift(columns, end) for end in (np.min, np.max))
         yield "only", where, 1.0 - share(of[name].whole.aligned)
 
 
-def L06(of: Figures) -> Numbers:
+def l06(of: Figures) -> Numbers:
     rows = of["fig14"].curves
     slow, fast = ([r for r in rows if (r.at <= 1.0) is below] for below in (True, False))
     yield "order", "", order(slow, fast)
@@ -295,7 +294,7 @@ def L06(of: Figures) -> Numbers:
     yield "wider", "", ratio(*usual)
 
 
-def L09(of: Figures) -> Numbers:
+def l09(of: Figures) -> Numbers:
     for name in ("fig13", "fig14"):
         where, aligned = _words(name), share(of[name].whole.aligned)
         together, holes = largest_area(of[name].cells)
@@ -304,28 +303,28 @@ def L09(of: Figures) -> Numbers:
         yield "without holes", where, holes
 
 
-def L10(of: Figures) -> Numbers:
+def l10(of: Figures) -> Numbers:
     for name in ("fig13", "fig14"):
         figure = of[name]
         tau = np.where(figure.cells == 1, figure.results["tau_align"], np.inf)
         yield "fast", _words(name), fast_rectangle(figure.cells, tau, 0.05)
 
 
-def L11(of: Figures) -> Numbers:
+def l11(of: Figures) -> Numbers:
     rows = of["fig13"].curves
     if rows[-1].at <= 10.0:
         raise MissingDataError("the axis of Fig. 13 ends at f0 = 10")
     beyond = [row.aligned for row in rows if row.at > 10.0]
     yield "none beyond", "", share(np.concatenate(beyond))
-    yield "up to", "", share(row.aligned.any() for row in rows if row.at <= 10.0)
+    yield "up to", "", share(bool(row.aligned.any()) for row in rows if row.at <= 10.0)
 
 
-def L12(of: Figures) -> Numbers:
+def l12(of: Figures) -> Numbers:
     columns = [each.aligned for each in of["fig13"].columns if each.aligned.any()]
     yield "most", "", share(share(~each) >= SEEN for each in columns)
 
 
-def L20(of: Figures) -> Numbers:
+def l20(of: Figures) -> Numbers:
     rows = [each for each in of["fig14"].curves if each.aligned.any()]
     yield "peak", "", share(not each.aligned[-1] for each in rows)
     yield "moves", "", edge_shift(rows, np.max)

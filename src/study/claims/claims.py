@@ -92,6 +92,20 @@ def _limit(stated: Mapping[str, Any], shared: Mapping[str, Mapping[str, Any]]) -
     return Limit(str(given.get("is", "")), threshold, least, str(given["reason"]))
 
 
+def _claim(name: str, stated: Mapping[str, Any], shared: Mapping[str, Any]) -> Claim:
+    if extra := set(stated) - {"place", "says", "figures", "read", "parts"}:
+        raise ValueError(f"unknown {', '.join(sorted(extra))}")
+    return Claim(
+        id=name,
+        place=stated["place"],
+        says=stated["says"],
+        figures=tuple(stated["figures"]),
+        limits={part: _limit(limit, shared) for part, limit in stated["parts"].items()},
+        check=getattr(checks, name.lower()),
+        reading=stated.get("read", ""),
+    )
+
+
 def claims_of(text: str) -> tuple[Claim, ...]:
     """Return the entries of a list in the form of ``claims.yaml``, in its order.
 
@@ -102,19 +116,7 @@ def claims_of(text: str) -> tuple[Claim, ...]:
     claims = []
     for name, stated in table["entries"].items():
         try:
-            if extra := set(stated) - {"place", "says", "figures", "read", "parts"}:
-                raise ValueError(f"unknown {', '.join(sorted(extra))}")
-            claims.append(
-                Claim(
-                    id=name,
-                    place=stated["place"],
-                    says=stated["says"],
-                    figures=tuple(stated["figures"]),
-                    limits={n: _limit(p, table["limits"]) for n, p in stated["parts"].items()},
-                    check=getattr(checks, name),
-                    reading=stated.get("read", ""),
-                )
-            )
+            claims.append(_claim(name, stated, table["limits"]))
         except (AttributeError, KeyError, TypeError, ValueError) as error:
             raise ClaimsError(f"claims.yaml: {name}: {error}") from error
     return tuple(claims)

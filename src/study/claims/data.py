@@ -132,7 +132,7 @@ class Figure:
     def columns(self) -> list[Curve]:
         """Columns of a map, by rising value along its x axis."""
         turned = {name: each.T for name, each in self.results.items()}
-        axes = dict(reversed(self.axes.items()))
+        axes = dict(reversed([*self.axes.items()]))
         return Figure(self.name, self.kind, axes, turned, self.held, {}).curves
 
     @cached_property

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, get_args
 
-from study.csv_tables import read_records, records_text
 from study.claims.claims import CLAIMS, Claim
 from study.claims.data import Figures, MissingDataError
+from study.csv_tables import read_records, records_text
 
 Verdict = Literal["shown", "not shown", "not checkable"]
 VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
@@ -46,12 +46,10 @@ class Judgement:
 
 def judge_claim(claim: Claim, figures: Figures) -> Judgement:
     """Return the verdict of figures on one entry; it sees only those that the entry names."""
+    if absent := [name for name in claim.figures if name not in figures]:
+        return Judgement("not checkable", (), f"there is no dataset {absent[0]}")
     try:
-        absent = [name for name in claim.figures if name not in figures]
-        if absent:
-            raise MissingDataError(f"there is no dataset {absent[0]}")
-        seen = {name: figures[name] for name in claim.figures}
-        numbers = numbers_of(claim, seen)
+        numbers = numbers_of(claim, {name: figures[name] for name in claim.figures})
     except MissingDataError as missing:
         return Judgement("not checkable", (), str(missing))
     return Judgement("shown" if all(n.margin >= 0.0 for n in numbers) else "not shown", numbers)
@@ -105,9 +103,7 @@ class Line:
     random: float
 
 
-def lines_of(
-    judged: Iterable[tuple[Claim, Judgement]], shares: Mapping[str, float]
-) -> list[Line]:
+def lines_of(judged: Iterable[tuple[Claim, Judgement]], shares: Mapping[str, float]) -> list[Line]:
     """Return the rows of ``claims.csv``; ``shares`` of random devices by entry."""
     rows = []
     for claim, found in judged:

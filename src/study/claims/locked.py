@@ -27,7 +27,9 @@ def locked_of(figures: Figures, settings: Settings) -> Figure:
     runs = [(figures["fig05"].whole, 0), *drawn]
     # The pressed start would tilt the part at once.
     settings = replace(settings, start="simultaneous")
-    ends = np.array([[_end(*run, settings, is_on) for run in runs] for is_on in (False, True)])
+    ends = np.array(
+        [[_end(curve, row, settings, is_on) for curve, row in runs] for is_on in (False, True)]
+    )
     results = {"x_end": ends, "sensitive": np.zeros(ends.shape, np.int8)}
     axes = {"vibrated": np.array([0.0, 1.0]), "run": np.arange(float(len(runs)))}
     return Figure("locked", "curves", axes, results, {}, {})

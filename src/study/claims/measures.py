@@ -288,7 +288,9 @@ def fast_rectangle(cells: NDArray[np.int8], tau: Array, least: float) -> float:
         return NAN
     is_fast = (cells == 1) & (tau <= np.median(tau[cells == 1]))
     # Sums over all cells below and to the left of each edge.
-    edges = [np.unique(np.linspace(0, n, min(_BLOCKS, n) + 1).round().astype(int)) for n in cells.shape]
+    edges = [
+        np.unique(np.linspace(0, n, min(_BLOCKS, n) + 1).round().astype(int)) for n in cells.shape
+    ]
     failed, fast, there = (
         np.pad(flags.astype(int).cumsum(0).cumsum(1), ((1, 0), (1, 0)))[np.ix_(*edges)]
         for flags in (cells == 0, is_fast, cells == 1)

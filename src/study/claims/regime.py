@@ -17,7 +17,7 @@ class Regime(NamedTuple):
     Attributes:
         aligned: share of the points that align.
         aligned_least: the same share, for the curve where it is least; of a map over all.
-        aligned_shown: share of the points up to f0 = 10, which the paper's text reaches, that align.
+        aligned_shown: the same share of the points up to f0 = 10, where the paper's text ends.
         static: share whose unvibrated control aligns as well.
         not_resting: share whose unvibrated control does not rest on A1, more tilted than it starts.
         tilt: median magnitude of the tilt at alignment in radians.

@@ -1,4 +1,4 @@
-"""The search for the parameters that the paper leaves unstated: priors, limits, grids and effort."""
+"""The search for the parameters that the paper leaves unstated: priors, limits, grids, effort."""
 
 from typing import Literal
 
@@ -76,4 +76,4 @@ class Identification(Problem):
     """The search for the unstated parameters; see study/identification/."""
 
     searches: dict[str, Effort]
-    """Searches by name; that of the study's device is "device"."""
+    """Searches by name."""

@@ -4,6 +4,7 @@ Nobody searched for these devices. Drawing and judging them takes minutes, so th
 for priors, list, physics and grid, by ``make null``; the key of all four stands in the file.
 """
 
+import ast
 import hashlib
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -12,16 +13,17 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from model import physics
+from model.compile.outline import outline
 from model.sweeps.axes import Plan
 from model.sweeps.sweep import Sweep
+from study.claims import checks, data, locked, measures
 from study.claims.claims import CLAIMS
 from study.claims.data import Figures
 from study.claims.ledger import VERDICTS, judge
-from study.claims.locked import locked_of
 from study.config.identification import Grid
 from study.identification.batch import figures_of
-from study.identification.space import Array, Space, space_of
-from study.tracking.code import code_of
+from study.identification.space import Space, space_of
 
 if TYPE_CHECKING:
     from study.config.study import Study
@@ -30,7 +32,6 @@ Verdicts = NDArray[np.int8]
 FILE = Path(__file__).with_name("null.csv")
 SHOWN = VERDICTS.index("shown")
 _SIGNS = "+-?"  # of the verdicts, in their order
-_CODE = ("study/claims/", "model/physics/")
 _PART = 10  # devices that are run together
 
 
@@ -82,15 +83,22 @@ class NullPlan(Plan):
         middle = self.space.values(np.full(len(self.space.names), 0.5))
         sweeps = [self.space.sweep(middle, name, self.grid) for name in self.space.figures]
         priors = self.space.problem.model_dump_json(include={"structure", "operating_points"})
-        project = Path(__file__).resolve().parents[3]
-        code = {
-            line
-            for source in ("src/study/claims/claims.py", "src/model/physics/motion.py")
-            for line in code_of(project, source)
-            if line.startswith(_CODE)
-        }
-        parts = priors, *(each.identity for each in sweeps), self.seed, self.count, sorted(code)
+        limits = [
+            (claim.id, claim.figures, part, limit.threshold, limit.is_least)
+            for claim in CLAIMS
+            for part, limit in claim.limits.items()
+        ]
+        grids = [each.identity for each in sweeps]
+        parts = priors, grids, self.seed, self.count, limits, _code()
         return hashlib.sha256(repr(parts).encode()).hexdigest()[:16]
+
+
+def _code() -> list[str]:
+    """Return what the checks and the equations say, without comments, docstrings or layout."""
+    of_list = [Path(str(each.__file__)) for each in (checks, data, locked, measures)]
+    of_physics = sorted(Path(physics.__path__[0]).glob("*.py"))
+    trees = (ast.parse(file.read_text(encoding="utf-8")) for file in (*of_list, *of_physics))
+    return [repr(outline(tree, [])) for tree in trees]
 
 
 def null_plan(study: "Study") -> NullPlan:
@@ -115,7 +123,7 @@ def verdicts_of(
         sweeps = [[changed(space.sweep(d, n, grid)) for n in space.figures] for d in part]
         settings = sweeps[0][0].settings.settings
         for figures in figures_of(sweeps):
-            whole: Figures = {**figures, "locked": locked_of(figures, settings)}
+            whole: Figures = {**figures, "locked": locked.locked_of(figures, settings)}
             rows.append([VERDICTS.index(found.verdict) for _, found in judge(whole)])
     return np.array(rows, dtype=np.int8)
 
@@ -140,7 +148,10 @@ def stored_null(plan: NullPlan, file: Path = FILE) -> Null:
     try:
         lines = file.read_text(encoding="utf-8").splitlines()
         rows = dict(line.split(",") for line in lines)
-        key, found = rows.pop("key"), {name: [_SIGNS.index(s) for s in r] for name, r in rows.items()}
+        key, found = (
+            rows.pop("key"),
+            {name: [_SIGNS.index(s) for s in r] for name, r in rows.items()},
+        )
     except (OSError, KeyError, ValueError) as error:
         raise NullError(f"{file}: holds no verdicts of random devices ({error}); {mend}") from None
     if key != plan.key or [*found] != [claim.id for claim in CLAIMS]:

@@ -2,7 +2,7 @@
 
 Given the structure, each figure has an operating point of its own. So every figure is computed at
 several, and those are chosen together that show most; most entries read one figure only. Structures
-are drawn from the priors; the best are moved and mixed, on a coarse grid, and refined on a finer one.
+are drawn from the priors; the best are moved and mixed on a coarse grid, and refined on a fine one.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -15,12 +15,12 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 from scipy.stats import qmc
 
+from model.sweeps.sweep import Sweep
 from study.claims.claims import CLAIMS, Claim
 from study.claims.data import Figure
 from study.claims.ledger import judge_claim
 from study.claims.regime import Regime, regime_of
 from study.config.identification import Effort, Grid, Limits
-from model.sweeps.sweep import Sweep
 from study.identification.batch import figures_of
 from study.identification.space import Array, Space, configuration
 
@@ -28,7 +28,7 @@ Picked = Mapping[str, int]  # number of the operating point of each figure
 
 _PARTLY = 0.5  # of an entry, for how near its numbers come to their limits
 _LIMIT, _MOST = 3.0, 2.0  # entries that a limit missed by its whole size counts as, and the most
-_POINTS = 6  # operating points of each figure of a structure
+_POINTS, _ROUGHLY = 5, 3  # operating points of each figure of a structure
 _STEPS = (0.02, 0.06, 0.2)  # by which operating points are changed, in widths of their priors
 _MOVES = (0.01, 0.04, 0.12)  # by which structures are
 _BEST = 8  # sets from which others are made
@@ -52,7 +52,10 @@ class Found:
 
 
 class Choice:
-    """A structure with several operating points of each figure, of which the best are chosen."""
+    """A structure with several operating points of each figure, of which the best are chosen.
+
+    It is judged by the entries that read its figures only, and by the regime of these.
+    """
 
     def __init__(
         self,
@@ -69,6 +72,7 @@ class Choice:
         }
         self.regimes = {n: [regime_of(each) for each in made] for n, made in self.figures.items()}
         self._worths: dict[tuple[str, tuple[int, ...]], float] = {}
+        self.claims = [claim for claim in CLAIMS if {*claim.figures} <= {*points}]
 
     def _sweeps(self, grid: Grid) -> Iterator[Sweep]:
         for name, tried in self.points.items():
@@ -97,7 +101,7 @@ class Choice:
         """What each operating point of a figure is worth by itself, shape (points,)."""
         return {
             name: np.array([
-                sum(self._worth(c, {name: row}) for c in _JUDGED if c.figures == (name,))
+                sum(self._worth(c, {name: row}) for c in self.claims if c.figures == (name,))
                 - (missed(self.limits, name, regime) if self.limits else 0.0)
                 for row, regime in enumerate(regimes)
             ])
@@ -110,16 +114,17 @@ class Choice:
         if self.limits:
             rests = [_known(self.regimes[n][row].not_resting, 1.0) for n, row in picked.items()]
             total -= _LIMIT * _excess(float(np.mean(rests)), self.limits.not_resting)
-        return total + sum(self._worth(c, picked) for c in _JUDGED if len(c.figures) > 1)
+        return total + sum(self._worth(c, picked) for c in self.claims if len(c.figures) > 1)
 
     def best(self, random: Generator) -> Found:
         """Return the best choice: from several starts, one figure at a time."""
         alone = {name: int(np.argmax(worth)) for name, worth in self._alone.items()}
-        starts: list[Picked] = [alone]
-        for _ in range(2):
-            starts.append({n: int(random.integers(len(p))) for n, p in self.points.items()})
-        picked = max(map(self._improved, starts), key=self.score)
-        shown = [claim.id for claim in _JUDGED if self._worth(claim, picked) == 1.0]
+        others = [
+            {name: int(random.integers(len(tried))) for name, tried in self.points.items()}
+            for _ in range(2)
+        ]
+        picked = max(map(self._improved, [alone, *others]), key=self.score)
+        shown = [claim.id for claim in self.claims if self._worth(claim, picked) == 1.0]
         point = self._whole({name: self.points[name][row] for name, row in picked.items()})
         regimes = {name: self.regimes[name][row] for name, row in picked.items()}
         return Found(point, self.score(picked), tuple(shown), regimes)
@@ -132,9 +137,6 @@ class Choice:
                 options = [{**picked, name: row} for row in range(len(tried))]
                 picked = max(options, key=self.score)
         return picked
-
-
-_JUDGED = [claim for claim in CLAIMS if "locked" not in claim.figures]
 
 
 def _known(value: float, otherwise: float) -> float:
@@ -175,30 +177,37 @@ def search(space: Space, effort: Effort) -> Found:
     settings = space.settings.model_copy(update={"start": effort.start})
     space = space.model_copy(update={"settings": settings})
     low, high = space.half_widths(effort.half_width)
-    found: list[Found] = []
 
     def judged(structure: Array, parents: Sequence[Found], grid: str, count: int) -> Found:
         structure = np.clip(structure, 0.0, 1.0)
         structure[0] = np.clip(structure[0], low, high)
         known = np.array([each.point for each in parents]).reshape(-1, len(space.names))
-        points = {n: _drawn(known[:, space.places[n]], count, random) for n in space.figures}
-        return Choice(space, limits, structure, points, space.problem.grids[grid]).best(random)
+        on = space.problem.grids[grid]
+        points = {n: _drawn(known[:, space.places[n]], count, random) for n in on.counts}
+        return Choice(space, limits, structure, points, on).best(random)
 
     drawn = qmc.LatinHypercube(where.stop, rng=random).random(effort.drawn)
     drawn[:, 0] = low + (high - low) * drawn[:, 0]
-    for structure in drawn:
-        found.append(judged(structure, [], "coarse", _POINTS))
+    found = _best([judged(structure, [], "rough", _ROUGHLY) for structure in drawn], where)
+    found = [judged(each.point[where], [each], "coarse", _POINTS) for each in found]
     for _ in range(effort.moved):
-        found = sorted(found, key=lambda each: -each.score)[:_BEST]
-        structure, parents = _moved(found, where, random)
+        structure, parents = _moved(_best(found, where), where, random)
         found.append(judged(structure, parents, "coarse", _POINTS))
-    found = sorted(found, key=lambda each: -each.score)[:_BEST]
+    found = _best(found, where)
     best = judged(found[0].point[where], found, "fine", _POINTS)
     for number in range(effort.refined):
         step = (number % 2) * random.choice(_MOVES) * random.normal(size=where.stop)
         tried = judged(best.point[where] + step, [best, *found], "fine", _POINTS)
         best = max(best, tried, key=lambda each: each.score)
     return best
+
+
+def _best(found: Sequence[Found], where: slice) -> list[Found]:
+    """Return the best sets, the first first; of one structure only the best."""
+    kept: dict[bytes, Found] = {}
+    for each in sorted(found, key=lambda each: -each.score):
+        kept.setdefault(each.point[where].tobytes(), each)
+    return [*kept.values()][:_BEST]
 
 
 def _drawn(parents: Array, count: int, random: Generator) -> Array:

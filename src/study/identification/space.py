@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from study.config.base import LogRange
-from study.config.identification import Grid, Problem
-from study.plans import sweep_of
 from model.sweeps.axes import Axis, Family, Plan
 from model.sweeps.settings import RunSettings
 from model.sweeps.sweep import Sweep
+from study.config.base import LogRange
+from study.config.identification import Grid, Problem
+from study.plans import sweep_of
 
 if TYPE_CHECKING:
     from study.config.study import Study
@@ -106,8 +106,7 @@ class Space(Plan):
         axes, count = sum(isinstance(each, Axis) for each in stated), grid.counts[figure]
         counts = count if isinstance(count, list) else [count] * len(stated)
         dimensions = [
-            _on_grid(each, number, parameters)
-            for each, number in zip(stated, counts, strict=True)
+            _on_grid(each, number, parameters) for each, number in zip(stated, counts, strict=True)
         ]
         return Sweep.model_construct(
             name=figure,

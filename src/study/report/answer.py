@@ -75,8 +75,8 @@ def _row(name: str, own: Counts, regime: Regime, goes_in: float) -> Sequence[obj
 
 def _paper(lines: list[Line], null: Null) -> Finding:
     label = (
-        "statements of the paper shown, by a device that was searched for by this very list; random "
-        f"devices show {np.median(null.counts):g} in the median, {null.counts.max()} at most"
+        "statements of the paper shown, by a device that was searched for by this very list; "
+        f"random devices show {np.median(null.counts):g} in the median, {null.counts.max()} at most"
     )
     return Finding(f"{count(lines)} of {len(lines)}", label)
 

@@ -1,7 +1,7 @@
 """Sections on findings beyond the figures: vibration, jamming."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +15,7 @@ from study.claims.regime import regime_of
 from study.config.figures import COMPUTED
 from study.jamming import entered, in_jamming_diagram, jammed, wedging_side
 from study.report.section import Results, Section, Table, settings_of
-from vibralign.plots.words import figure_title, percent, short
+from vibralign.plots.words import figure_title, percent
 
 VIBRATION_CAPTION = (
     "What vibration adds over tilt stiffness and pressing force. On the ticked side of the line "

@@ -83,7 +83,7 @@ def _beside(lines: list[Line], cases: xr.Dataset) -> Table:
         if KINDS[kind] in ("device", "other") or str(title).startswith("first the press")
     ]
     verdicts = cases["verdict"].values[chosen]
-    rows = [
+    rows: list[tuple[object, ...]] = [
         (
             link(line.claim, f"#claim-{line.claim}"),
             line.says,
