@@ -27,8 +27,7 @@ _RING: Mapping[str, Any] = {**_MARK, "marker": "o", "markersize": 4.5, "markerfa
 _CROSS: Mapping[str, Any] = {**_MARK, "marker": "x"}
 _ARROW: Mapping[str, Any] = {**_MARK, "marker": "$\\uparrow$", "markersize": 7.0, "clip_on": False}
 _JUMP = 2.0 * np.pi / 3.0  # a third of a period of the vibration, as a phase
-_NEARLY_ALL = 0.98  # of the points: the rest may lie beyond the axis
-_NEARLY_LEVEL = 0.5  # shortest over longest duration, from which on the axis does not begin at 0
+_NEARLY_ALL = 0.97  # of the points: the rest may lie beyond the axis
 _EMPTY, _MARGIN, _EDGE = 0.15, 0.05, 0.01  # shares of an axis: see ``_ends_of_axis``
 
 
@@ -122,12 +121,8 @@ def _ends_of_durations(durations: Floats) -> tuple[float, float, float]:
     """
     if not durations.size:
         return 0.0, 1.0, 0.0
-    shortest, longest = float(durations.min()), float(durations.max())
-    usual = float(np.quantile(durations, _NEARLY_ALL))
-    margin = _MARGIN * ((longest - shortest) or longest)
-    if shortest > _NEARLY_LEVEL * longest:
-        return shortest - margin, longest + margin, longest
-    top = 1.05 * longest if longest < 3.0 * usual else 1.5 * usual
+    longest, usual = float(durations.max()), float(np.quantile(durations, _NEARLY_ALL))
+    top = 1.05 * longest if longest < 1.5 * usual else 1.25 * usual
     return 0.0, top or 1.0, longest
 
 
