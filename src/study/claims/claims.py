@@ -31,12 +31,14 @@ class Limit:
         threshold: what it is compared with.
         is_least: True if a number must be at least the threshold, else at most.
         reason: reason for the threshold.
+        shared: name of the limit that several parts share, "" for one of its own.
     """
 
     measure: str
     threshold: float
     is_least: bool
     reason: str
+    shared: str = ""
 
     def margin(self, value: float) -> float:
         """Return the distance from the threshold over its size, >= 0 where met; -1 for NaN.
@@ -82,14 +84,15 @@ class Claim:
         return "concl." in self.place
 
 
-def _limit(stated: Mapping[str, Any], shared: Mapping[str, Mapping[str, Any]]) -> Limit:
-    given = {**stated, **shared[stated["must"]]} if "must" in stated else stated
+def _limit(stated: Mapping[str, Any], named: Mapping[str, Mapping[str, Any]]) -> Limit:
+    given = {**stated, **named[stated["must"]]} if "must" in stated else stated
     least = "least" in given
     extra = set(given) - {"is", "must", "least", "most", "reason"}
     if extra or least == ("most" in given):
         raise ValueError(f"{dict(stated)}: must be {{is, must}} or {{is, least or most, reason}}")
     threshold = float(given["least" if least else "most"])
-    return Limit(str(given.get("is", "")), threshold, least, str(given["reason"]))
+    shared = stated.get("must", "")
+    return Limit(str(given.get("is", "")), threshold, least, str(given["reason"]), shared)
 
 
 def _claim(name: str, stated: Mapping[str, Any], shared: Mapping[str, Any]) -> Claim:

@@ -27,6 +27,7 @@ def section(results: Results) -> Section:
         "counts": _counts(cases, null),
         "assumptions": _assumptions(cases),
         "entries": [(line, _parts(line), _sources(line)) for line in lines],
+        "shared": _shared(),
         "signs": SIGNS,
         "files": [("the ledger (CSV)", "claims.csv"), ("other cases (netCDF)", "data/cases.nc")],
     }
@@ -65,10 +66,17 @@ def _parts(line: Line) -> list[tuple[str, str, str]]:
         (
             f"{'✗ ' if part in fails else ''}{limit.measure}: {seen.get(part, 'not checkable')}",
             limit.demand,
-            limit.reason,
+            f"“{limit.shared}”" if limit.shared else limit.reason,
         )
         for part, limit in _CLAIM[line.claim].limits.items()
     ]
+
+
+def _shared() -> Table:
+    """List the limits that several parts share, with their reasons."""
+    named = {each.shared: each for claim in CLAIMS for each in claim.limits.values()}
+    rows = [(name, each.demand, each.reason) for name, each in named.items() if name]
+    return Table(("limit", "must be", "since"), rows)
 
 
 def _beside(lines: list[Line], cases: xr.Dataset) -> Table:
