@@ -14,7 +14,8 @@ from benchmarks.machine import facts  # noqa: E402
 from benchmarks.methods.peers import all_methods  # noqa: E402
 from benchmarks.table import Row, compare, text, write  # noqa: E402
 from benchmarks.trajectories import all_problems  # noqa: E402
-from model.compile.cache import kernel_fingerprint  # noqa: E402
+from model.compile.identity import digest_of  # noqa: E402
+from model.engine.scheduling import integrate_all  # noqa: E402
 
 # Points of a figure, neighbours of a trajectory, CPU seconds of a ladder, rounds of timing.
 _PLAN = 40, 8, 20.0, 5
@@ -37,7 +38,7 @@ def main() -> None:
         rows = compare(problem, methods, budget, rounds)
         _say(text(rows) + "\n")
         table += rows
-    machine = {"quick": arguments.quick, "kernels": kernel_fingerprint()}
+    machine = {"quick": arguments.quick, "kernels": digest_of(integrate_all)}
     machine |= facts([*(method.package for method in methods), "numpy", "numba"])
     write(table, machine, folder)
     _say(f"kept in {folder}")

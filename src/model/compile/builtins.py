@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from model.compile.arithmetic import both, operate, truth_of
 from model.compile.code import PYTHON_KINDS, Code
-from model.compile.items import items_of, lasting_items, length_of, member
+from model.compile.items import is_inside, items_of, lasting_items, length_of, member
 from model.compile.values import (
     BOOLEAN,
     DOUBLE,
@@ -147,6 +147,7 @@ def _fetch_add(code: Code, numbers: Value, by: Value) -> Value:
     if not (isinstance(numbers, Array) and numbers.kind == INTEGER) or numbers.is_constant:
         found = in_words(type_of(numbers))
         raise SubsetError(f"fetch_add to {found}", "give an array of int64 of run time")
+    is_inside(code, constant(0), numbers.lengths[0])
     number = code.whole(by, "a count").name
     text = f"atomicrmw add ptr {numbers.pointer}, i64 {number} monotonic"
     return Number(INTEGER, code.do(text))
@@ -157,7 +158,10 @@ def vectors_at(code: Code, block: Value, places: Value) -> list[str]:
     if not isinstance(block, Array) or block.kind != DOUBLE:
         raise SubsetError(f"vectors in {in_words(type_of(block))}", "give an array of floats")
     numbers = [code.whole(each, "a place") for each in items_of(code, places)]
-    return [code.address(block, operate(code, ast.Mult, each, Static(WIDTH))) for each in numbers]
+    firsts = [operate(code, ast.Mult, each, Static(WIDTH)) for each in numbers]
+    for each in firsts:
+        is_inside(code, operate(code, ast.Add, each, Static(WIDTH - 1)), block.lengths[0])
+    return [code.address(block, each) for each in firsts]
 
 
 def _call_at(code: Code, address: Value, block: Value, places: Value) -> Value:

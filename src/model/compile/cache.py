@@ -1,56 +1,35 @@
-"""Files of machine code, in a folder named by a hash of the package's code.
+"""Files of machine code, in a folder named by a hash of the compiler.
 
-A file holds a checksum, a header and an object. A damaged file counts as one that is missing: its
-kernel is compiled and stored again. Where nothing can be written, kernels are compiled for the
-process alone.
+The name of a file stands for all that its kernel is made of (identity.py). It holds a checksum, a
+header and an object. A damaged file counts as one that is missing: its kernel is compiled and
+stored again. Where nothing can be written, kernels are compiled for the process alone.
 """
 
-import ast
 import contextlib
 import hashlib
 import json
 import os
 import platform
-import re
 import tempfile
 import zlib
 from functools import cache
 from pathlib import Path
 from typing import Any
 
-from model.compile.identity import PACKAGE
+from model.compile.code import CHECKED
 from model.compile.machine_code import written_for
-from model.compile.outline import outline
+from model.compile.vector_code import WIDTH
 
 _CHECKSUM = 4  # bytes
 _UNWRITTEN: dict[str, tuple[dict[str, Any], bytes]] = {}  # what could not be written
-KERNEL_LAYERS = ("compile", "physics", "events", "engine", "runs")  # folders that hold kernels
+# Read when the compiler is imported: an edit of it later is none of the compiler that runs.
+_COMPILER = b"".join(each.read_bytes() for each in sorted(Path(__file__).parent.glob("*.py")))
 
 
-def kernel_fingerprint() -> str:
-    """Hash of the processor and the code of every file that can hold a kernel (16 hex digits).
-
-    An edit of comments, layout or docstrings leaves it the same. It is kept on disk under a hash of
-    the files' contents, since parsing them takes a second.
-    """
-    sources = {
-        source.relative_to(PACKAGE).as_posix(): source.read_bytes()
-        for layer in KERNEL_LAYERS
-        for source in sorted((PACKAGE / layer).rglob("*.py"))
-    }
-    versions = f"{written_for()} {platform.python_version()}"
-    contents = hashlib.sha256(f"{versions}{[*sources.items()]}".encode()).hexdigest()
-    kept = _base() / "fingerprints" / contents
-    with contextlib.suppress(OSError, UnicodeDecodeError):
-        if re.fullmatch("[0-9a-f]{16}", found := kept.read_text(encoding="ascii")):
-            return found
-    digest = hashlib.sha256(versions.encode())
-    for name, source in sources.items():
-        digest.update(f"{name}{outline(ast.parse(source), [])}".encode())
-    with contextlib.suppress(OSError):
-        kept.parent.mkdir(parents=True, exist_ok=True)
-        kept.write_text(digest.hexdigest()[:16])
-    return digest.hexdigest()[:16]
+def compiler_fingerprint() -> str:
+    """Hash of the compiler and of what it writes machine code for (16 hex digits)."""
+    versions = f"{written_for()} {platform.python_version()} {WIDTH} {CHECKED}"
+    return hashlib.sha256(versions.encode() + _COMPILER).hexdigest()[:16]
 
 
 def _base() -> Path:
@@ -62,7 +41,7 @@ def _base() -> Path:
 @cache
 def cache_folder() -> Path:
     """Folder of the machine code; ``VIBRALIGN_CACHE`` or ``XDG_CACHE_HOME`` moves it."""
-    folder = _base() / kernel_fingerprint()
+    folder = _base() / compiler_fingerprint()
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError:  # a read-only home: use a temporary folder of this user's own

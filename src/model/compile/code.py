@@ -4,6 +4,7 @@ Variables are places on the stack, which LLVM's optimiser turns into registers. 
 with addresses in place of its numbers.
 """
 
+import os
 from collections.abc import Callable, Iterable
 from typing import Any
 
@@ -42,6 +43,11 @@ _CONVERSIONS = {
     (DOUBLE, BOOLEAN): "fcmp une double {}, 0.0",
     (INTEGER, BOOLEAN): "icmp ne i64 {}, 0",
 }
+CHECKED = os.environ.get("VIBRALIGN_CHECKED", "0") not in ("", "0")
+"""True if machine code tells of every index beyond its array: with ``VIBRALIGN_CHECKED=1``."""
+BEYOND = "index_beyond_its_array"
+"""Function (where, index, length) that it calls, provided by entries.py."""
+_SCRATCH = "@scratch"  # what is written in place of what lies beyond
 PYTHON_KINDS = {BOOLEAN: bool, INTEGER: int, DOUBLE: float}
 
 
@@ -50,12 +56,13 @@ class Declarations:
 
     Attributes:
         contract: whether a product and a sum may become one operation.
+        checked: whether indices of run time are checked.
         texts: each declaration in LLVM's language, by its name.
         vectors: functions of vectors that are called, by their names.
     """
 
-    def __init__(self, contract: bool) -> None:
-        self.contract = contract
+    def __init__(self, contract: bool, checked: bool = False) -> None:
+        self.contract, self.checked = contract, checked
         self.texts: dict[str, str] = {}
         self.vectors: dict[str, VectorFunction] = {}
         self._arrays: dict[int, tuple[Array, Any]] = {}
@@ -74,6 +81,8 @@ class Declarations:
 
     def lanes(self) -> tuple[str, str]:
         """Return metadata of accesses in a new loop over lanes, and of its jump back."""
+        if self.checked:
+            return "", ""
         group = 2 * len(self.texts)
         hints = (
             '"llvm.loop.vectorize.enable", i1 true', f'"llvm.loop.vectorize.width", i32 {WIDTH}',
@@ -84,6 +93,16 @@ class Declarations:
         listed = ", ".join([loop, *(f"!{{!{each}}}" for each in hints)])
         self.texts[loop] = f"!{group} = distinct !{{}}\n{loop} = distinct !{{{listed}}}"
         return f", !llvm.access.group !{group}", f", !llvm.loop {loop}"
+
+    def told(self, text: str) -> str:
+        """Return the address of a text for ``BEYOND``."""
+        name = f"@told{len(self.texts)}"
+        held = "".join(f"\\{each:02X}" for each in (*text.encode(), 0))
+        kind = f"[{len(held) // 3} x i8]"
+        self.texts[name] = f'{name} = internal constant {kind} c"{held}"'
+        self.texts[_SCRATCH] = f"{_SCRATCH} = internal global [{1 << 16} x i64] zeroinitializer"
+        self.function(BEYOND, ["ptr", "i64", "i64"])
+        return name
 
     def function(self, name: str, kinds: list[str], result: str = "void") -> None:
         """Declare a function of another module."""
@@ -98,10 +117,11 @@ class Code:
         closed: True after an instruction that leaves the block: what follows is never reached.
         contract: flag of instructions that may become fused multiply-adds, or nothing.
         group: metadata of accesses to memory in a loop over lanes, or nothing.
+        where: tells file, line and kernel of what is translated.
     """
 
-    def __init__(self, declared: Declarations) -> None:
-        self.declared = declared
+    def __init__(self, declared: Declarations, where: Callable[[], str] = str) -> None:
+        self.declared, self.where = declared, where
         self.contract = " contract" if declared.contract else ""
         self.group = ""
         self.closed = True
@@ -179,6 +199,22 @@ class Code:
         if known_number(place) == 0:
             return array.pointer
         return self.do(f"getelementptr {array.kind}, ptr {array.pointer}, i64 {place.name}")
+
+    def checked(self, index: Number, length: Number) -> Number:
+        """Return whether an index lies in an array of this length; if not, it is told."""
+        inside = Number(BOOLEAN, self.do(f"icmp ult i64 {index.name}, {length.name}"))
+        beyond, after = self.labels("beyond", "after")
+        self.branch(inside, after, beyond)
+        self.begin(beyond)
+        told = self.declared.told(self.where())
+        self.put(f"call void @{BEYOND}(ptr {told}, i64 {index.name}, i64 {length.name})")
+        self.jump(after)
+        self.begin(after)
+        return inside
+
+    def instead(self, inside: Number, address: str) -> str:
+        """Return an address, or another that may be written if what is there lies beyond."""
+        return self.do(f"select i1 {inside.name}, ptr {address}, ptr {_SCRATCH}")
 
     # ------------------------------------------------------------------------------------ numbers
 

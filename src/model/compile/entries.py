@@ -19,6 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from model.compile import cache, machine_code
+from model.compile.code import BEYOND, CHECKED
 from model.compile.kernels import Function, python_of
 from model.compile.module import Key, Module, name_of
 from model.compile.source import KernelError
@@ -140,6 +141,19 @@ def flattened(argument: Any, words: list[Any]) -> Type:
     return Static(argument)
 
 
+_BEYOND: list[str] = []  # told by CHECKED machine code, the first of each run at least
+
+
+def _tell_beyond(where: bytes, index: int, length: int) -> None:
+    if not _BEYOND:
+        _BEYOND.append(f"{where.decode()}: the index {index} of {length} items")
+
+
+_TELL = ctypes.CFUNCTYPE(None, ctypes.c_char_p, ctypes.c_int64, ctypes.c_int64)(_tell_beyond)
+if CHECKED:
+    machine_code.provide(BEYOND, _TELL)
+
+
 class _Native:
     """Loaded machine code of an entry."""
 
@@ -153,8 +167,14 @@ class _Native:
         return self._words.pack(*words), ctypes.create_string_buffer(self._numbers.size)
 
     def run(self, packed: bytes, written: Any) -> Any:
-        """Run the machine code and return its result."""
+        """Run the machine code and return its result.
+
+        Raises:
+            IndexError: ``CHECKED`` code met an index beyond its array.
+        """
         self._call(packed, written)
+        if _BEYOND:
+            raise IndexError(_BEYOND.pop(0))
         return _rebuilt(self._result, iter(self._numbers.unpack(written)))
 
 

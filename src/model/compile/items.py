@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from model.compile.arithmetic import operate
+from model.compile.arithmetic import both, operate
 from model.compile.code import Code
 from model.compile.values import (
     BOOLEAN,
@@ -155,6 +155,7 @@ def _item(code: Code, items: tuple[Value, ...], index: Index) -> Value:
     known = known_number(number)
     if known is not None or not items:
         return items[_checked(known or 0, len(items))]
+    is_inside(code, number, len(items))
     found = at_run_time(items[-1])
     for n in range(len(items) - 2, -1, -1):
         here = code.compare("eq", number, constant(n))
@@ -171,6 +172,7 @@ def part_of(code: Code, array: Array, indices: list[Index]) -> Array:
             "give one for each dimension at most",
         )
     offset: Value = Static(0)
+    inside: Static | Number = Static(True)
     lengths: list[int | Number] = []
     strides: list[int] = []
     given = [*indices, *[Slice(None, None)] * (dimensions - len(indices))]
@@ -181,9 +183,20 @@ def part_of(code: Code, array: Array, indices: list[Index]) -> Array:
             strides.append(stride)
         else:
             first = _index(code, index, length)
+            inside = both(code, "and", inside, is_inside(code, first, length))
         offset = _further(code, offset, first, stride)
     address = code.address(array, offset)
+    if isinstance(inside, Number):
+        address = code.instead(inside, address)
     return array._replace(pointer=address, lengths=tuple(lengths), strides=tuple(strides))
+
+
+def is_inside(code: Code, index: Value, length: int | Number) -> Static | Number:
+    """Return whether an index exists; tell if it does not. Only ``CHECKED`` code finds out."""
+    is_known = isinstance(index, Static) and isinstance(length, int)
+    if is_known or not code.declared.checked:
+        return Static(True)
+    return code.checked(code.number(index), code.number(_length(length)))
 
 
 def _further(code: Code, offset: Value, count: Value, stride: int) -> Value:
@@ -207,22 +220,45 @@ def _length(length: int | Number) -> Value:
 
 
 def _range_of(code: Code, index: Slice, length: int | Number) -> tuple[Value, int | Number]:
-    """Return the first index of a slice, and the number of those that follow it."""
-    after = length + 1 if isinstance(length, int) else length  # a slice may end at the length
-    first = Static(0) if index.first is None else _index(code, index.first, after)
-    end = _length(length) if index.end is None else _index(code, index.end, after)
-    count = code.of_kind(operate(code, ast.Sub, end, first), INTEGER)
-    known = known_number(count)
-    if known is not None and known < 0:
-        raise SubsetError("a slice that ends before it begins", "exchange its ends")
-    return first, count if known is None else int(known)
+    """Return the first index of a slice, and the number of those that follow it, as Python does."""
+    first = Static(0) if index.first is None else _end_of(code, index.first, length)
+    end = _length(length) if index.end is None else _end_of(code, index.end, length)
+    if isinstance(first, Static) and isinstance(end, Static):
+        return first, max(end.object - first.object, 0)
+    if isinstance(first, Static) and first.object == 0:
+        return first, code.number(end)
+    count = code.whole(operate(code, ast.Sub, end, first), "a length")
+    return first, _larger(code, count, constant(0))
+
+
+def _end_of(code: Code, index: Value, length: int | Number) -> Value:
+    """Return an end of a slice between 0 and the length; from the end, if it is negative."""
+    number = _whole_index(code, index)
+    known = known_number(number)
+    if known is not None and (isinstance(length, int) or known == 0):
+        return Static(slice(known).indices(length)[1] if isinstance(length, int) else 0)
+    count = code.number(_length(length))
+    if known is None or known < 0:
+        below = code.compare("lt", number, constant(0))
+        moved = code.select(below, code.integers("add", number, count), number)
+        number = _larger(code, code.number(moved), constant(0))
+    return code.select(code.compare("lt", number, count), number, count)
+
+
+def _larger(code: Code, one: Number, other: Number) -> Number:
+    return code.number(code.select(code.compare("lt", one, other), other, one))
+
+
+def _whole_index(code: Code, index: Value) -> Number:
+    number = code.number(index, "an index")
+    if number.kind != INTEGER:
+        raise SubsetError(f"{in_words(type_of(number))} as an index", "take int(...) of it")
+    return number
 
 
 def _index(code: Code, index: Value, length: int | Number) -> Value:
     """Return an index of an array, counted from the beginning; static if it is known."""
-    number = code.number(index, "an index")
-    if number.kind != INTEGER:
-        raise SubsetError(f"{in_words(type_of(number))} as an index", "take int(...) of it")
+    number = _whole_index(code, index)
     known = known_number(number)
     if known is None:
         return number

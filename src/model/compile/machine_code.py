@@ -4,6 +4,7 @@ Kernels may use the widest vectors of the processor. LLVM prefers 256 bits on pr
 which may then run at a higher clock; the loops of the batch engine gain more from the width.
 """
 
+import ctypes
 import functools
 import os
 import threading
@@ -73,6 +74,11 @@ def optimised(text: str, machine: Any, is_finished: bool, context: Any = None) -
     else:
         builder.getModulePassManager().run(module, builder)
     return module
+
+
+def provide(name: str, function: Any) -> None:
+    """Make a function of ctypes one that machine code may call by this name."""
+    llvm.add_symbol(name, ctypes.cast(function, ctypes.c_void_p).value)
 
 
 def load(name: str, machine_code: bytes) -> int:

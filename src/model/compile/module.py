@@ -9,7 +9,7 @@ import re
 from collections.abc import Callable, Iterator
 from typing import Any, cast
 
-from model.compile.code import Code, Declarations, aggregate
+from model.compile.code import CHECKED, Code, Declarations, aggregate
 from model.compile.identity import OutsideError, digest_of
 from model.compile.kernels import Marks, marks_of, python_of
 from model.compile.translate import Function
@@ -70,7 +70,7 @@ class Module:
     Args:
         key: the kernel that is called from outside.
         parts: modules made so far, shared by all that are linked; None to write all kernels into
-            this one.
+            this one, which is never ``CHECKED``.
         is_entry: True for a kernel that Python calls; see entries.py.
         contract: whether a product and a sum may become one operation.
         callers: keys of kernels that are being translated, since they call this one.
@@ -95,8 +95,8 @@ class Module:
         contract: bool = True,
         callers: tuple[Key, ...] = (),
     ) -> None:
-        self._parts, self._callers = parts, callers
-        self._declared = Declarations(contract)
+        self._key, self._parts, self._callers = key, parts, callers
+        self._declared = Declarations(contract, checked=CHECKED and parts is not None)
         self._linked: dict[str, Module | VectorFunction] = {}
         self._texts: list[str] = []
         self._functions: dict[Key, tuple[str, Type]] = {}
@@ -112,6 +112,10 @@ class Module:
             self._texts.append(_entry(self.name, key[1], self.result))
         else:
             self._texts.append(root.text(self.name, ""))
+
+    def is_as_named(self, contract: bool) -> bool:
+        """Return whether its name still stands for what it is made of: nothing else does."""
+        return not self.lasting or name_of(self._key, False, contract) == self.name
 
     def text(self) -> str:
         """Return the module in LLVM's language."""
@@ -141,7 +145,12 @@ class Module:
         key = function, tuple(map(type_of, arguments))
         marks = marks_of(function) or Marks()
         if key in self._callers or len(self._callers) == _MOST_NESTED:
-            raise SubsetError(f"{function.__name__} calls itself", "write a loop")
+            if any(function is caller for caller, _ in self._callers):
+                raise SubsetError(f"{function.__name__} calls itself", "write a loop")
+            raise SubsetError(
+                f"{function.__name__} is called through {_MOST_NESTED} other kernels",
+                "call fewer of them one from another",
+            )
         if self._parts is not None and marks.separate:
             name, result = self._part(key, self._parts)
         else:
@@ -156,10 +165,9 @@ class Module:
 
     def _part(self, key: Key, parts: "dict[Key, Module]") -> tuple[str, Type]:
         """Return name and result of a kernel that is a module of its own."""
-        if key not in parts:
-            contract = self._declared.contract
-            parts[key] = Module(key, parts, contract=contract, callers=self._callers)
-        part = parts[key]
+        contract, part = self._declared.contract, parts.get(key)
+        if part is None or (part.name not in self._linked and not part.is_as_named(contract)):
+            part = parts[key] = Module(key, parts, contract=contract, callers=self._callers)
         self._linked[part.name] = part
         kinds = leaf_kinds(part.result)
         self._declared.function(part.name, leaf_kinds(*key[1]), aggregate(kinds))

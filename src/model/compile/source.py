@@ -82,12 +82,18 @@ def source_of(code: CodeType) -> Source:
     """
     file, no_function = code.co_filename, inspect.CO_GENERATOR | inspect.CO_COROUTINE
     linecache.checkcache(file)
-    found = _functions_in(file, "".join(linecache.getlines(file))).get(code.co_firstlineno)
-    if found is None or found.name != code.co_name or code.co_flags & no_function:
+    same = [
+        found
+        for written, found in _functions_in(file, "".join(linecache.getlines(file)))
+        if found.name == code.co_name and _does_the_same(written, code)
+    ]
+    if code.co_flags & no_function or not same:
         raise KernelError(
             f"{file}:{code.co_firstlineno}: kernel {code.co_name!r} has no source that returns a "
-            "value; define it by a def statement in a file, without yield and async"
+            "value; define it by a def statement in a file, without yield and async. If the file "
+            "was edited since it was imported, start Python again"
         )
+    found = same[0]
     names = Counter(_assigned(found))
     for each in ast.walk(found):
         if isinstance(each, (ast.Global, ast.Nonlocal)):
@@ -110,14 +116,47 @@ def parameters_of(function: Callable[..., Any]) -> inspect.Signature:
 
 
 @cache
-def _functions_in(file: str, text: str) -> dict[int, ast.FunctionDef]:
-    """Return the functions that a file defines, by the line on which each begins."""
-    functions = (
-        each for each in ast.walk(ast.parse(text, file)) if isinstance(each, ast.FunctionDef)
+def _functions_in(file: str, text: str) -> list[tuple[CodeType, ast.FunctionDef]]:
+    """Return the functions that a file defines, with their code."""
+    tree = ast.parse(text, file)
+    trees = {
+        (each.name, min([each.lineno, *(d.lineno for d in each.decorator_list)])): each
+        for each in ast.walk(tree) if isinstance(each, ast.FunctionDef)
+    }  # fmt: skip
+    codes = _codes_in(compile(tree, file, "exec", dont_inherit=True))
+    places = ((each, (each.co_name, each.co_firstlineno)) for each in codes)
+    return [(code, trees[place]) for code, place in places if place in trees]
+
+
+def _codes_in(code: CodeType) -> Iterator[CodeType]:
+    for each in code.co_consts:
+        if isinstance(each, CodeType):
+            yield each
+            yield from _codes_in(each)
+
+
+def _without_docstring(code: CodeType) -> tuple[Any, ...]:
+    first, *others = code.co_consts or (None,)
+    return (None if isinstance(first, str) else first, *others)
+
+
+def _does_the_same(one: CodeType, other: CodeType) -> bool:
+    """Return whether two functions are the same but for their lines and docstrings."""
+    if (one.co_code, one.co_names, one.co_varnames, one.co_freevars) != (
+        other.co_code, other.co_names, other.co_varnames, other.co_freevars
+    ):  # fmt: skip
+        return False
+    return _are_same(_without_docstring(one), _without_docstring(other))
+
+
+def _are_same(some: tuple[Any, ...], others: tuple[Any, ...]) -> bool:
+    """Return whether two lists of constants are the same, functions in functions too."""
+    return len(some) == len(others) and all(
+        _are_same((a.co_code, *a.co_consts), (b.co_code, *b.co_consts))
+        if isinstance(a, CodeType) and isinstance(b, CodeType)
+        else repr(a) == repr(b)
+        for a, b in zip(some, others, strict=True)
     )
-    return {
-        min([each.lineno, *(d.lineno for d in each.decorator_list)]): each for each in functions
-    }
 
 
 def _assigned(tree: ast.AST) -> Iterator[str]:

@@ -85,12 +85,15 @@ class Function(Expressions):
 
     def error(self, error: SubsetError) -> KernelError:
         """Return an error with its place."""
-        line = getattr(error.node, "lineno", self.at.lineno)
-        where = f"{self.function.__code__.co_filename}:{line}: in kernel {self.function.__name__!r}"
+        where = self._where(getattr(error.node, "lineno", None))
         return KernelError(f"{where}: {error.problem}; {error.remedy}")
 
+    def _where(self, line: int | None = None) -> str:
+        file = self.function.__code__.co_filename
+        return f"{file}:{line or self.at.lineno}: in kernel {self.function.__name__!r}"
+
     def _translate(self) -> None:
-        self.code, self.at = Code(self._declared), self.source.tree
+        self.code, self.at = Code(self._declared, self._where), self.source.tree
         self.variables = Variables(self.code, self.source.unchanging)
         self._loops: list[_Loop] = []
         self.code.begin("begin")

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
-from model.compile.identity import digest_of, is_inside
+from model.compile.identity import OutsideError, digest_of
 from model.compile.values import constant
 
 WIDTH = 8  # numbers in a vector
@@ -153,16 +153,22 @@ class VectorFunction:
     ``function(block, places)`` passes the addresses of the vectors numbered ``places`` of an array.
 
     Args:
-        name: name of the function, unique in the package.
+        label: begins its name.
         write: (name) -> writer of the function.
     """
 
     is_vector = True
 
-    def __init__(self, name: str, write: Callable[[str], VectorWriter]) -> None:
-        self.name, self._write = name, write
-        if not is_inside(write):  # the name alone does not stand for the code
-            self.name += f"_{digest_of(write(name).code())}"
+    def __init__(self, label: str, write: Callable[[str], VectorWriter]) -> None:
+        self._label, self._write = label, write
+
+    @property
+    def name(self) -> str:
+        """Its name, which stands for its code."""
+        try:
+            return f"{self._label}_{digest_of(self._write)}"
+        except OutsideError:
+            return f"{self._label}_{digest_of(self._write(self._label).code())}"
 
     @property
     def identity(self) -> str:

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from model.compile.identity import identity_of
 from model.compile.kernels import inlined_kernel, kernel
 from model.compile.vector_code import WIDTH, each_lane
 from model.engine.levels import Level, bound_in, coefficient_in, level_in, levels_of
@@ -99,11 +98,6 @@ class LaneEvents:
     kinds: NDArray[np.int64]
     varied: tuple[int, ...]
     series: Series
-
-    @property
-    def identity(self) -> str:
-        """Names and numbers on which code for lanes depends."""
-        return f"lanes of {identity_of(self.events)}, {self.series.identity}"
 
     @property
     def samples(self) -> int:

@@ -5,11 +5,11 @@ calls, and ``Series``, which compiles their functions.
 """
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
 from model.compile.entries import address_of
-from model.compile.identity import identity_of
 from model.compile.kernels import inlined_kernel
 from model.compile.vector_code import VectorFunction, VectorWriter, call_at
 from model.engine.mode_kinds import ModeKind
@@ -117,7 +117,11 @@ class Series:
             f"sample_series_{count}", lambda name: _SamplesWriter(name, count)
         )  # fmt: skip
         self.addresses = np.zeros(2 * len(kinds), np.int64)
-        self.identity = f"series of {identity_of((*self._arguments, is_resident))}"
+
+    @property
+    def identity(self) -> Any:
+        """What it is made of, for the cache."""
+        return *self._arguments, self.is_resident
 
     def load(self, number: int) -> None:
         """Load a function: compile it, unless it is stored, and write its address."""

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from model.compile.cache import cache_folder
 from model.compile.entries import flattened
+from model.compile.identity import digest_of
 from model.compile.kernels import inlined_kernel, kernel
 from model.compile.webassembly import web_assembly_of
 from model.engine.lane_events import lane_events_of
@@ -186,7 +187,7 @@ def _compile(folder: Path, shape: Shape) -> None:
 
 
 def _folder(shape: Shape) -> Path:
-    return cache_folder() / "webassembly" / shape
+    return cache_folder() / "webassembly" / f"{shape}_{digest_of(_compile, shape)}"
 
 
 def are_cached(shape: Shape = "square") -> bool:

@@ -1,6 +1,5 @@
 """A cache of the kernels for one test, and a count of what is compiled."""
 
-import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -15,8 +14,6 @@ Restart = Callable[[], None]
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     """The base of a cache that has no machine code."""
-    cache.kernel_fingerprint()
-    shutil.copytree(cache._base() / "fingerprints", tmp_path / "cache" / "fingerprints")
     monkeypatch.setenv("VIBRALIGN_CACHE", str(tmp_path / "cache"))
     monkeypatch.setattr(machine_code, "_LOADED", {})
     monkeypatch.setattr(cache, "_UNWRITTEN", {})

@@ -3,15 +3,20 @@
 import errno
 import os
 import runpy
-import shutil
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
-from model.compile import cache
+from model.compile import cache, identity
 from model.compile.entries import compiled
-from model.compile.identity import PACKAGE, digest_of
+from model.compile.identity import PACKAGE, OutsideError, digest_of
+from model.compile.source import KernelError
+from model.engine.scheduling import integrate_all
 from model.physics.contacts import dot
 from tests.model.compile.conftest import Restart
 from tests.model.compile.sources import PRELUDE, load
@@ -33,37 +38,19 @@ def other(x):
 """
 
 
-@pytest.fixture
-def source(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The only file of a package with a cache of its own."""
-    for layer in cache.KERNEL_LAYERS:
-        assert (PACKAGE / layer).is_dir()
-        (tmp_path / layer).mkdir()
-    path = tmp_path / "engine" / "scalar" / "step.py"
-    path.parent.mkdir()
-    path.write_text("x = 1\n", encoding="utf-8")
-    monkeypatch.setattr(cache, "PACKAGE", tmp_path)
-    return path
-
-
 # -------------------------------------------------------------------------------------- the folder
 
 
 @pytest.mark.usefixtures("folder")
-def test_changed_code_opens_another_folder_and_changed_words_do_not(source: Path) -> None:
-    def fingerprint(text: str) -> str:
-        source.write_text(text)
-        return cache.kernel_fingerprint()
-
-    first = fingerprint('"""Words."""\nx = 1\n')
-    assert fingerprint("x = 2\n") != first
-    for words in ('"""Words."""\nx = 1\n', '"""Others."""\nx = 1\n', "# why\n\nx = (1)\n"):
-        assert fingerprint(words) == first
-    source.rename(source.with_name("stage.py"))
-    assert cache.kernel_fingerprint() != first
+def test_another_compiler_or_target_opens_another_folder(monkeypatch: pytest.MonkeyPatch) -> None:
+    first = cache.compiler_fingerprint()
+    monkeypatch.setattr(cache, "_COMPILER", cache._COMPILER + b"x = 2")
+    second = cache.compiler_fingerprint()
+    monkeypatch.setattr(cache, "written_for", lambda: "another processor")
+    assert len({first, second, cache.compiler_fingerprint()}) == 3
 
 
-@pytest.mark.usefixtures("folder", "source")
+@pytest.mark.usefixtures("folder")
 @pytest.mark.parametrize(
     ("variable", "below"), [("VIBRALIGN_CACHE", ""), ("XDG_CACHE_HOME", "vibralign")]
 )
@@ -72,7 +59,7 @@ def test_the_folder_can_be_moved(
 ) -> None:
     monkeypatch.delenv("VIBRALIGN_CACHE", raising=False)
     monkeypatch.setenv(variable, str(tmp_path))
-    expected = tmp_path / below / cache.kernel_fingerprint()
+    expected = tmp_path / below / cache.compiler_fingerprint()
     assert cache.cache_folder() == expected
     assert expected.is_dir()
 
@@ -80,14 +67,12 @@ def test_the_folder_can_be_moved(
 @pytest.fixture
 def temporary(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """The folder for temporary files, where the cache's own cannot be made."""
-    shutil.rmtree(folder)
     folder.write_text("")  # no folder
     (tmp_path / "temp").mkdir()
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "temp"))
     return tmp_path / "temp"
 
 
-@pytest.mark.usefixtures("source")
 def test_a_temporary_folder_replaces_one_that_cannot_be_created(temporary: Path) -> None:
     folder = cache.cache_folder()
     assert folder.is_dir()
@@ -95,22 +80,11 @@ def test_a_temporary_folder_replaces_one_that_cannot_be_created(temporary: Path)
     assert folder.parent.stat().st_mode & 0o777 == 0o700
 
 
-@pytest.mark.usefixtures("source")
 def test_machine_code_that_others_can_write_is_not_loaded(temporary: Path) -> None:
     laid = temporary / f"vibralign-{os.getuid()}"
     laid.mkdir()
     laid.chmod(0o777)
     assert cache.cache_folder().parent != laid
-
-
-@pytest.mark.usefixtures("folder", "source")
-@pytest.mark.parametrize("damage", [b"", b"0123", bytes(16), b"no name of files", b"\xff" * 16])
-def test_a_damaged_name_of_the_folder_is_worked_out_again(folder: Path, damage: bytes) -> None:
-    shutil.rmtree(folder / "fingerprints")
-    whole = cache.kernel_fingerprint()
-    (kept,) = (folder / "fingerprints").iterdir()
-    kept.write_bytes(damage)
-    assert cache.kernel_fingerprint() == whole == kept.read_text(encoding="ascii")
 
 
 # ---------------------------------------------------------------------------------------- its files
@@ -226,8 +200,112 @@ def test_a_file_outside_of_the_package_may_be_edited(
     assert len(made) == 3
 
 
+# ----------------------------------------------------------------------------- what names stand for
+
+INSIDE = """\
+import os
+
+SCALE = float(os.environ["SCALE"])  # computed when the file is imported
+TABLE = np.array([SCALE])
+
+
+@separate_kernel
+def shared(x):
+    return SCALE * x + TABLE[0]
+
+
+@kernel
+def main(x):
+    return shared(x) + 1.0
+"""
+
+
+@pytest.fixture
+def inside(monkeypatch: pytest.MonkeyPatch) -> Callable[[str, str], Any]:
+    """Import a text with a value of SCALE, as a module of the package."""
+
+    def module(text: str, scale: str) -> Any:
+        monkeypatch.setenv("SCALE", scale)
+        loaded = load(text)
+        for each in (loaded.shared, loaded.main):
+            each.__module__ = "model.physics.made_for_a_test"
+        return loaded
+
+    return module
+
+
+def test_two_values_of_a_computed_constant_share_no_object(
+    inside: Callable[[str, str], Any], restart: Restart, made: list[str]
+) -> None:
+    for scale, expected in (("2.0", 9.0), ("4.0", 17.0), ("2.0", 9.0)):
+        restart()
+        assert compiled(inside(INSIDE, scale).main)(3.0) == expected
+    assert len(made) == 4
+
+
+def test_a_constant_that_changes_in_a_process_changes_names_too(
+    inside: Callable[[str, str], Any], made: list[str]
+) -> None:
+    module = inside(INSIDE, "2.0")
+    assert compiled(module.main)(3.0) == 9.0
+    module.SCALE = 3.0
+    assert compiled(module.main)(3.0) == 12.0
+    module.TABLE[0] = 0.0
+    assert compiled(module.main)(3.0) == 10.0
+    module.SCALE, module.TABLE[0] = 2.0, 2.0
+    assert compiled(module.main)(3.0) == 9.0
+    assert len(made) == 6, "parts and entries of three states, the first from the cache"
+
+
+def test_an_edit_since_the_import_is_refused_and_others_are_not_seen(
+    inside: Callable[[str, str], Any], folder: Path
+) -> None:
+    text = INSIDE.replace("SCALE * x", "x / SCALE")
+    module = inside(text, "2.0")
+    file = Path(module.__file__)
+    file.write_text(PRELUDE + text.replace("x / SCALE", "x - SCALE"))
+    with pytest.raises(KernelError, match=r"'shared' has no source.*edited.*start Python again"):
+        compiled(module.main)(3.0)
+    assert not [*folder.rglob("*.o")], "nothing is kept for later processes"
+    moved = text.replace("@separate", "# moved\n\n\n@separate").replace("+ 1.0", "+ 2.0 - 1.0")
+    file.write_text(PRELUDE + moved)
+    assert compiled(module.shared)(3.0) == 3.5
+
+
 def test_functions_of_one_place_differ_by_their_constants() -> None:
     functions = [lambda x: x + 1.0, lambda x: x + 2.0]
     for each in functions:
         each.__module__ = "model.physics.forces"
     assert len({digest_of(each) for each in functions}) == 2
+
+
+def test_what_is_neither_data_nor_of_the_package_has_no_identity() -> None:
+    class Stateful:
+        value = 1.0
+
+    for each in (Stateful(), lambda: 1.0):
+        with pytest.raises(OutsideError):
+            digest_of(each)
+    assert digest_of(SimpleNamespace(a=1)) != digest_of(SimpleNamespace(a=2))
+
+
+def test_an_identity_tells_nothing_of_the_checkout_and_is_the_same_in_another_process() -> None:
+    """Else every checkout would compile the kernels anew."""
+    program = (
+        "from model.compile.identity import digest_of\n"
+        "from model.engine.scheduling import integrate_all\n"
+        "from model.engine.lane_events import lane_events_of\n"
+        "from model.events.insertion import INSERTION\n"
+        "from model.events.kernels import in_kernels\n"
+        "print(digest_of(integrate_all, lane_events_of(in_kernels(INSERTION).events)))"
+    )
+    told = {
+        subprocess.run(
+            [sys.executable, "-c", program], env={**os.environ, "PYTHONHASHSEED": seed},
+            capture_output=True, text=True, check=True,
+        ).stdout
+        for seed in ("1", "2")
+    }  # fmt: skip
+    assert len(told) == 1
+    digest_of(integrate_all)
+    assert not [each for each in identity._PARTS.values() if str(PACKAGE) in each.text]

@@ -17,7 +17,7 @@ from tests.model.physics.test_mutations import replaced
 
 PROJECT = Path(__file__).resolve().parents[3]
 TESTS = (
-    "subset", "entries", "refusals", "vectors", "cache", "page", "webassembly", "package_kernels",
+    "subset", "entries", "refusals", "checked", "vectors", "cache", "page", "webassembly", "package_kernels",
     "programs", "processes",
 )  # fmt: skip
 
@@ -43,7 +43,7 @@ MUTATIONS = {
     "abs is as it was": ("builtins.py", "call i64 @llvm.abs.i64(i64 {number.name}, i1 false)", "add i64 {number.name}, 0"),
     "reversed is as it was": ("builtins.py", "lasting_items(code, value)[::-1]", "lasting_items(code, value)"),
     "fetch_add replaces": ("builtins.py", "atomicrmw add", "atomicrmw xchg"),
-    "vectors are one number long": ("builtins.py", "operate(code, ast.Mult, each, Static(WIDTH))", "each"),
+    "vectors are one number long": ("builtins.py", "firsts = [operate(code, ast.Mult, each, Static(WIDTH)) for each in numbers]", "firsts = numbers"),
     "all is any": ("builtins.py", 'all: _several("and")', 'all: _several("or")'),
     # --- code
     "True is -1": ("code.py", "zext i1 {} to i64", "sext i1 {} to i64"),
@@ -64,8 +64,12 @@ MUTATIONS = {
     "strides are 1": ("items.py", "if stride == 1", "if stride"),
     "the first item is the last": ("items.py", "range(len(items) - 2, -1, -1)", "range(len(items) - 2, 0, -1)"),
     "an item beyond the last": ("items.py", "-length <= index < length", "-length <= index <= length"),
-    "slices end early": ("items.py", "length + 1 if isinstance(length, int)", "length if isinstance(length, int)"),
-    "slices backwards": ("items.py", "known is not None and known < 0", "False"),
+    "slices end beyond": ("items.py", 'code.select(code.compare("lt", number, count), number, count)', "number"),
+    "slices do not count from the end": ("items.py", "if known is None or known < 0", "if False"),
+    "slices backwards": ("items.py", "_larger(code, count, constant(0))", "count"),
+    "no index is checked": ("items.py", "if is_known or not code.declared.checked", "if True"),
+    "what lies beyond is written": ("items.py", "if isinstance(inside, Number)", "if False"),
+    "negative indices are inside": ("code.py", "icmp ult i64 {index.name}", "icmp slt i64 {index.name}"),
     "_replace does nothing": ("items.py", "named.get(name, item)", "item"),
     "classes have no attributes": ("items.py", "if name in vars(value.made_by or object)", "if False"),
     # --- expressions, variables, statements
@@ -92,12 +96,15 @@ MUTATIONS = {
     "bound numbers are forgotten": ("entries.py", "self._words.pack(*words)", "bytes(self._words.size)"),
     "the exported function is another": ("webassembly.py", ".index(entry.name)", ".index(entry.name) - 1"),
     # --- the cache
-    "closures are the same": ("identity.py", "identity_of((held, python", "identity_of((python"),
-    "constants do not count": ("identity.py", "str(names), *held]", "str(names)]"),
-    "outsiders are known": ("identity.py", "return str(getattr(known, \"__module__\", \"\")).partition(\".\")[0] in _KNOWN", "return True"),
+    "closures are the same": ("identity.py", "_told((held, known", "_told((known"),
+    "constants do not count": ("identity.py", "str(own), *held]", "str(own)]"),
+    "globals do not count": ("identity.py", "            yield known, name, value\n", ""),
+    "parts stay as they were": ("module.py", "and not part.is_as_named(contract)", "and False"),
+    "outsiders are known": ("identity.py", "return package in (_PACKAGE, *_LIBRARIES),", "return True,"),
+    "an edited file is taken": ("source.py", "and _does_the_same(written, code)", ""),
     "a damaged file is loaded": ("cache.py", "if content[:_CHECKSUM] == _checksum(body)", "if body"),
     "all processors are the same": ("cache.py", '{written_for()} {platform', '{platform'),
-    "another's code is the same": ("cache.py", "{outline(ast.parse(source), [])}", ""),
+    "compilers are the same": ("cache.py", "versions.encode() + _COMPILER", "versions.encode()"),
 }  # fmt: skip
 
 

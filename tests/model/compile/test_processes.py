@@ -147,6 +147,6 @@ def test_words_of_the_package_may_be_edited_and_its_code_is_compiled_anew(
     assert changed in text
     edited.write_text(text.replace(changed, "return row[0] * x"), encoding="utf-8")
     count, others = runs.run()
-    assert count == ALL
+    assert count == 1, "the kernel that was edited"
     assert others[:-1] == results[:-1]
     assert others[-1] == (1.1 * 0.1).hex()

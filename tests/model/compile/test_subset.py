@@ -25,6 +25,8 @@ ARGUMENTS: dict[str, list[tuple[Any, ...]]] = {
     "t": [((1.5, 2),), ((-0.0, -7),)],
     "w": [(np.array([1.5, -2.0, 0.25, 8.0]),), (np.arange(20.0)[1:18:4],), (np.arange(5.0)[::-1],)],
     "w, n": [(np.array([1.5, -2.0, 0.25, 8.0]), 2), (np.arange(20.0)[1:18:4], 1)],
+    "w, n, m": [(np.arange(4.0), n, m) for n in range(-6, 7) for m in (-9, -5, -2, 0, 1, 3, 4, 7)],
+    "a, n, m": [(np.arange(12.0).reshape(4, 3), n, m) for n in range(-5, 6) for m in (-2, 0, 2, 9)],
     "k, n": [(np.array([5, -6, 7]), 1), (np.arange(9)[::3], 2)],
     "a": [(np.arange(12.0).reshape(4, 3),), (np.arange(12.0).reshape(3, 4).T,),
           (np.arange(24.0).reshape(4, 6)[:, ::2],)],
@@ -131,6 +133,20 @@ SAME_AS_PYTHON = {
     "writing": ("w, n", "w[0] = 3\nw[n] += 2.5\nw[n - 1] *= w[n]\nw[2], w[3] = w[3], w[2]\nreturn w[0]"),
     "writing ints": ("k, n", "k[0] = 7\nk[n] -= 9\nk[1] //= 2\nk[2] = True\nreturn k[n] // 4, k[0] % 3, k[n] / 2"),
     "parts": ("w", "v = w[1:]\nv[0] = 9.0\nu = v[1:3]\nu[:] = 4\nw[:1] = -1.0\nreturn len(v), len(u), w[1]"),
+    **{
+        f"the slice {ends}": (
+            "w, n, m",
+            f"w[{ends}] = 9.0\nreturn len(w[{ends}]), total(w[{ends}]), total(w)",
+        )
+        for ends in ("0:9", "5:9", ":-1", "-2:", "3:1", "-9:2", "n:", ":n", "n:m", "1:n", "n:3", "-3:m", "n:-1")
+    },
+    **{
+        f"the slice {ends} of a row": (
+            "a, n, m",
+            f"a[1, {ends}] = 9.0\nreturn len(a[1, {ends}]), total(a[1]), len(a[{ends}])",
+        )
+        for ends in ("0:9", "-2:", "3:1", "-9:2", "n:", ":n", "n:m")
+    },
     "a part of a part": ("w, n", "v = w[n:]\nv[0:2][0] = 5.0\nw[1:n] = 2.0\nreturn v[0], len(w[1:n])"),
     "rows": ("a", "r = a[1]\nr[2] = 50.0\nc = a[:, 1]\nc[0] = -1.0\nreturn r[0], a[1, 2], a[0][1], c[3], a.shape, a.size, len(r)"),
     "known indices of rows": ("a", "r = a[2]\nx, y, z = r\nreturn r[-1], a[0, -1], x, y, z, max(r), tuple(r), r[-2:][0] if False else z"),

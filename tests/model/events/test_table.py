@@ -9,9 +9,7 @@ from math import cos, sin
 import numpy as np
 import pytest
 
-from model.compile.identity import PACKAGE, identity_of
 from model.events.event_functions import NEVER
-from model.events.insertion import INSERTION
 from model.events.kernels import MOST_SAMPLES, events_of, level, sample_into
 from model.events.table import EVENTS
 from model.physics.contacts import contact_load, edge_on_face
@@ -268,10 +266,3 @@ def test_overturned_just_below_ninety_degrees_on_both_sides(sample):
     assert right == left
     assert 0.0 < right < 0.08
     assert sample(FREE, y=100.0, tilt=1.58)["OVERTURNED"] < 0.0
-
-
-def test_the_identity_of_a_table_tells_nothing_of_the_checkout():
-    """Else every checkout would compile the kernels of the table anew."""
-    told = identity_of(events_of(INSERTION.events))
-    assert "model.events.insertion." in told
-    assert str(PACKAGE) not in told
