@@ -17,7 +17,7 @@ from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
-from benchmarks.report.checks import CHECKS, HEAD
+from benchmarks.report.checks import CHECKS, HEAD, SPEED_HEAD, SPEEDS
 from model.engine.results import IN_SLOT, RESULTS, TRACK_VARIABLES, UNVIBRATED_CONTROL, Result
 from model.events.outcomes import OUTCOME_TEXT, REASON_TEXT, Outcome, Reason, remedy
 from model.events.table import EVENTS
@@ -218,6 +218,7 @@ def _variables_of(table: Mapping[str, Result]) -> str:
 
 GENERATED: dict[str, Callable[[], str]] = {
     "checks": lambda: _table((name.removeprefix(">") for name in HEAD), CHECKS),
+    "speeds": lambda: _table((name.removeprefix(">") for name in SPEED_HEAD), SPEEDS),
     "commands": _commands,
     "events": _events,
     "configuration": _configuration,

@@ -1,7 +1,7 @@
 """What the verdicts are worth: other assumptions and devices; `make null` draws the random ones."""
 
 from study.evidence.cases import cases_plan
-from study.evidence.null import FILE, null_plan, stored_null
+from study.evidence.null import null_plan, stored_null
 
 
 rule cases:
@@ -26,7 +26,7 @@ rule null:
     input:
         "<results>/data/kernels.json",
     output:
-        stored=update(FILE),
+        stored=update("src/study/evidence/null.csv"),
         record="<results>/null.run.json",
     log:
         "<results>/logs/null.log",
