@@ -28,10 +28,13 @@ Picked = Mapping[str, int]  # number of the operating point of each figure
 
 _PARTLY = 0.5  # of an entry, for how near its numbers come to their limits
 _LIMIT, _MOST = 3.0, 2.0  # entries that a limit missed by its whole size counts as, and the most
-_POINTS, _ROUGHLY = 5, 3  # operating points of each figure of a structure
+_POINTS = {"rough": 3, "coarse": 5, "fine": 4}  # operating points of each figure, by grid
 _STEPS = (0.02, 0.06, 0.2)  # by which operating points are changed, in widths of their priors
 _MOVES = (0.01, 0.04, 0.12)  # by which structures are
 _BEST = 8  # sets from which others are made
+_FIRST = 3  # of these are judged on the fine grid
+_RESERVE = 1.05  # of the limits there: less may be kept on another grid
+_DEAR = (1.0, 4.0)  # what limits cost there, first and later, over what they cost before
 
 
 @dataclass(frozen=True)
@@ -64,8 +67,10 @@ class Choice:
         structure: Array,
         points: Mapping[str, Array],
         grid: Grid,
+        strict: tuple[float, float] = (1.0, 1.0),
     ) -> None:
         self.space, self.limits, self.structure, self.points = space, limits, structure, points
+        self.reserve, self.dear = strict  # factors of values, and of what limits cost
         found = iter(figures_of([[sweep] for sweep in self._sweeps(grid)]))
         self.figures: Mapping[str, list[Figure]] = {
             name: [next(found)[name] for _ in tried] for name, tried in points.items()
@@ -102,7 +107,7 @@ class Choice:
         return {
             name: np.array([
                 sum(self._worth(c, {name: row}) for c in self.claims if c.figures == (name,))
-                - (missed(self.limits, name, regime) if self.limits else 0.0)
+                - self.dear * missed(self.limits, name, regime, self.reserve)
                 for row, regime in enumerate(regimes)
             ])
             for name, regimes in self.regimes.items()
@@ -113,7 +118,8 @@ class Choice:
         total = sum(float(self._alone[name][row]) for name, row in picked.items())
         if self.limits:
             rests = [_known(self.regimes[n][row].not_resting, 1.0) for n, row in picked.items()]
-            total -= _LIMIT * _excess(float(np.mean(rests)), self.limits.not_resting)
+            mean = self.reserve * float(np.mean(rests))
+            total -= self.dear * _cost(mean, self.limits.not_resting)
         return total + sum(self._worth(c, picked) for c in self.claims if len(c.figures) > 1)
 
     def best(self, random: Generator) -> Found:
@@ -143,16 +149,19 @@ def _known(value: float, otherwise: float) -> float:
     return otherwise if np.isnan(value) else value
 
 
-def _excess(value: float, most: float) -> float:
-    return min(max(value / most - 1.0, 0.0), _MOST)
+def _cost(value: float, most: float) -> float:
+    """Return what it costs, in entries, that a value is above its limit."""
+    return _LIMIT * min(max(value / most - 1.0, 0.0), _MOST)
 
 
-def missed(limits: Limits, figure: str, of: Regime) -> float:
+def missed(limits: Limits | None, figure: str, of: Regime, reserve: float = 1.0) -> float:
     """Return by how much a figure misses the limits of the regime, in entries.
 
     A figure that never aligns misses them as far as can be; the mean share not resting is left to
-    ``Choice.score``.
+    ``Choice.score``. Values count ``reserve`` times. Without limits it is 0.
     """
+    if limits is None:
+        return 0.0
     ratios = (
         (_known(of.not_resting, 1.0), limits.not_resting_most),
         (_known(of.tilt, 1.0), limits.tilt),
@@ -161,7 +170,7 @@ def missed(limits: Limits, figure: str, of: Regime) -> float:
         (limits.aligned.get(figure, 0.0), max(of.aligned_shown, 0.01)),
         (_known(of.lift_offs, 1.0), limits.hops.get(figure, 1.0)),
     )
-    return _LIMIT * sum(_excess(value, most) for value, most in ratios)
+    return sum(_cost(reserve * value, most) for value, most in ratios)
 
 
 # --- The search -----------------------------------------------------------------------------------
@@ -178,28 +187,31 @@ def search(space: Space, effort: Effort) -> Found:
     space = space.model_copy(update={"settings": settings})
     low, high = space.half_widths(effort.half_width)
 
-    def judged(structure: Array, parents: Sequence[Found], grid: str, count: int) -> Found:
+    def judged(structure: Array, parents: Sequence[Found], grid: str, dear: float = 1.0) -> Found:
         structure = np.clip(structure, 0.0, 1.0)
         structure[0] = np.clip(structure[0], low, high)
         known = np.array([each.point for each in parents]).reshape(-1, len(space.names))
         on = space.problem.grids[grid]
-        points = {n: _drawn(known[:, space.places[n]], count, random) for n in on.counts}
-        return Choice(space, limits, structure, points, on).best(random)
+        points = {n: _drawn(known[:, space.places[n]], _POINTS[grid], random) for n in on.counts}
+        reserve = _RESERVE if grid == "fine" else 1.0
+        return Choice(space, limits, structure, points, on, (reserve, dear)).best(random)
 
     drawn = qmc.LatinHypercube(where.stop, rng=random).random(effort.drawn)
     drawn[:, 0] = low + (high - low) * drawn[:, 0]
-    found = _best([judged(structure, [], "rough", _ROUGHLY) for structure in drawn], where)
-    found = [judged(each.point[where], [each], "coarse", _POINTS) for each in found]
+    found = _best([judged(structure, [], "rough") for structure in drawn], where)
+    found = [judged(each.point[where], [each], "coarse") for each in found]
     for _ in range(effort.moved):
         structure, parents = _moved(_best(found, where), where, random)
-        found.append(judged(structure, parents, "coarse", _POINTS))
-    found = _best(found, where)
-    best = judged(found[0].point[where], found, "fine", _POINTS)
-    for number in range(effort.refined):
-        step = (number % 2) * random.choice(_MOVES) * random.normal(size=where.stop)
-        tried = judged(best.point[where] + step, [best, *found], "fine", _POINTS)
-        best = max(best, tried, key=lambda each: each.score)
-    return best
+        found.append(judged(structure, parents, "coarse"))
+    for stage, dear in enumerate(_DEAR, 1):
+        found, random = _best(found, where), np.random.default_rng([effort.seed, stage])
+        tried = [judged(each.point[where], [each, *found], "fine", dear) for each in found[:_FIRST]]
+        for number in range(effort.refined):
+            best = _best(tried, where)[0]
+            step = (number % 2) * random.choice(_MOVES) * random.normal(size=where.stop)
+            tried.append(judged(best.point[where] + step, [best, *found], "fine", dear))
+        found = tried
+    return _best(found, where)[0]
 
 
 def _best(found: Sequence[Found], where: slice) -> list[Found]:
