@@ -8,7 +8,7 @@
 # make null       random devices drawn anew: after priors, ledger, physics or their grid have changed
 # make fuzz       random sets over the whole domain of the parameters; SETS=1000000 for a million, to
 #                 which finished parts count; SCENE=insertion for devices that fall in
-# make truth      alignment times against heyoka and MuJoCo, in the environment of `make bench`
+# make truth      alignment times against heyoka, in the environment of `make bench`
 # make truth-round  the table of round pegs, in three dimensions, in the same environment: an hour
 # make bench      speed against other integrators, in an environment of its own (about 15 minutes);
 #                 BENCH_FLAGS=--quick for a rough table in three
@@ -136,17 +136,17 @@ nightly: environment
 
 # PYTHONPATH in place of an installation: the environment has no vibralign.
 bench: environment-bench
-	PYTHONPATH=src .venv-bench/bin/python -m benchmarks $(BENCH_FLAGS)
+	PYTHONPATH=src .venv-bench/bin/python -m verification.bench $(BENCH_FLAGS)
 
 TRUTH_FLAGS ?=
 truth: environment-bench
-	PYTHONPATH=src .venv-bench/bin/python -m benchmarks.truth $(TRUTH_FLAGS)
+	PYTHONPATH=src .venv-bench/bin/python -m verification.bench.truth $(TRUTH_FLAGS)
 
 # The table of round pegs against a reference in three dimensions, which `make test` reads: an hour;
 # ROUND_FLAGS="--points 2 3" for some of its rows.
 ROUND_FLAGS ?=
 truth-round: environment-bench
-	PYTHONPATH=src .venv-bench/bin/python -m benchmarks.truth_round $(ROUND_FLAGS)
+	PYTHONPATH=src .venv-bench/bin/python -m verification.round.table $(ROUND_FLAGS)
 
 # ---------------------------------------------------------------------------------- the environment
 
@@ -198,17 +198,17 @@ python:
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { \
 		echo "$(PYTHON) is Python $(TAG), vibralign needs 3.11 or newer: make PYTHON=..." >&2; exit 1; }
 
-# Pins the extras and the build backend with the hashes of all platforms, for Python 3.11 and newer.
-# Packages that the study and the peers of `make bench` share have the study's versions. The extra
-# `export` is not pinned. `fewest` takes one version of a package for all Pythons.
+# Pins what the wheel needs and the groups, with the hashes of all platforms, for Python 3.11 and newer.
+# Packages that the study and the peers of `make bench` share have the study's versions. `fewest`
+# takes one version of a package for all Pythons.
 lock: python
 	$(PYTHON) -m venv --clear .lock-venv
 	.lock-venv/bin/python -m pip install --quiet uv==$(UV_VERSION)
-	$(call pin,requirements.lock,--extra plot --extra study --extra slurm --extra docs --extra dev)
-	$(call pin,requirements-bench.lock,--extra bench --constraints requirements.lock)
+	$(call pin,requirements.lock,--group study --group slurm --group docs --group dev)
+	$(call pin,requirements-bench.lock,--group bench --constraints requirements.lock)
 	rm -rf .lock-venv
 
-# $(call pin,LOCK FILE,EXTRAS AND OPTIONS)
+# $(call pin,LOCK FILE,GROUPS AND OPTIONS)
 pin = UV_CUSTOM_COMPILE_COMMAND="make lock" .lock-venv/bin/uv pip compile pyproject.toml \
 	--quiet $(2) --universal --python-version 3.11 --fork-strategy fewest \
 	--generate-hashes --no-config --no-annotate $(LOCK_FLAGS) --output-file $(1)

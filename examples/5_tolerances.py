@@ -13,7 +13,7 @@ from vibralign import Settings, load_device, yield_of
 
 stated = load_device("peg.yaml")
 phases = np.linspace(0.0, 2.0 * np.pi, 8, endpoint=False)
-starts = [{"phase": phase, "initial_tilt": 0.001} for phase in phases]
+starts = [{"phase": phase, "gripper_tilt": 0.001} for phase in phases]
 found, drawn = yield_of(stated, starts, Settings(tolerance=1e-6), devices=512)
 print(f"{100 * found.share:.1f} % align, {100 * found.low:.1f} to {100 * found.high:.1f} %")
 

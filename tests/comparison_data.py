@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from benchmarks.problems import Verdict
-from benchmarks.work_precision import Setting
+from verification.bench.problems import Verdict
+from verification.bench.work_precision import Setting
 
 NAN = np.nan
 CASES = ("aligned", "sticking", "bouncing", "never_aligning")

@@ -1,4 +1,4 @@
-"""Every third-party import is declared in pyproject.toml, in the extra of its folder."""
+"""Every third-party import is declared in pyproject.toml, in the group of its folder."""
 
 import ast
 import re
@@ -10,24 +10,21 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
-PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-OWN = {"model", "vibralign", "study", "benchmarks", "verification", "docs", "tests"}
+STATED = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+OWN = {"model", "vibralign", "study", "verification", "docs", "tests"}
 DISTRIBUTIONS = {
     "PIL": "pillow",
     "yaml": "pyyaml",
 }  # where the import's name differs
-STUDY = ["plot", "study"]
-EXTRAS = {  # of each folder, besides the dependencies of the package
-    **{f"src/model/{name}": () for name in ("compile", "physics", "events", "engine", "runs")},
-    "src/model/sweeps": STUDY,
-    "src/vibralign": STUDY,
-    "src/study": STUDY,
-    "workflow": STUDY,
-    "verification": STUDY,
-    "benchmarks": [*STUDY, "bench"],
-    "docs": ["plot", "docs"],
-    "examples": STUDY,
-    "tests": [*STUDY, "dev"],
+GROUPS: dict[str, tuple[str, ...]] = {  # of each folder, besides the dependencies of the wheel
+    "src/model": (),
+    "src/vibralign": (),
+    "src/study": ("study",),
+    "workflow": ("study",),
+    "verification": ("study", "bench"),
+    "docs": ("docs",),
+    "examples": (),
+    "tests": ("study", "dev"),
 }
 
 
@@ -40,10 +37,10 @@ def imports(folder: Path) -> Iterator[tuple[str, Path]]:
             yield from ((name.split(".")[0], path.relative_to(ROOT)) for name in names)
 
 
-@pytest.mark.parametrize("folder", EXTRAS)
+@pytest.mark.parametrize("folder", GROUPS)
 def test_imports_are_declared(folder: str) -> None:
-    lists = [PROJECT["dependencies"]]
-    lists += [PROJECT["optional-dependencies"][extra] for extra in EXTRAS[folder]]
+    lists = [STATED["project"]["dependencies"]]
+    lists += [STATED["dependency-groups"][group] for group in GROUPS[folder]]
     declared = {re.split("[<>=~ ]", each, maxsplit=1)[0].lower() for one in lists for each in one}
     known = sys.stdlib_module_names | OWN
     undeclared = [
@@ -52,8 +49,3 @@ def test_imports_are_declared(folder: str) -> None:
         if name not in known and DISTRIBUTIONS.get(name, name).lower() not in declared
     ]
     assert not undeclared
-
-
-def test_every_folder_has_a_rule() -> None:
-    packages = {path.parent for path in (ROOT / "src" / "model").glob("*/__init__.py")}
-    assert {path.relative_to(ROOT).as_posix() for path in packages} <= set(EXTRAS)

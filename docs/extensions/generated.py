@@ -17,7 +17,6 @@ from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
-from benchmarks.report.checks import CHECKS, HEAD, SPEED_HEAD, SPEEDS
 from model.engine.results import IN_SLOT, RESULTS, TRACK_VARIABLES, UNVIBRATED_CONTROL, Result
 from model.events.outcomes import OUTCOME_TEXT, REASON_TEXT, Outcome, Reason, remedy
 from model.events.table import EVENTS
@@ -26,6 +25,7 @@ from model.physics.units import UNITS
 from model.sweeps.io import unit_in_file
 from study import __main__ as of_study
 from study.config import Study
+from verification.bench.report.checks import CHECKS, HEAD, SPEED_HEAD, SPEEDS
 from vibralign.commands import main as of_tool
 
 

@@ -27,15 +27,16 @@ def study_model(
     ``maps`` are the datasets of MAPS.
     """
     presets = {name: _figure(study, name) for name in sorted((*HISTORIES, *CURVES, *MAPS))}
+    baseline = study.baseline.given()
     for name, case in study.precision.hard.cases.items():
         values = study.baseline.replace(**case.at).given()
         presets[f"case_{name}"] = {"group": "Hard cases", "title": case.title, "values": values}
     return {
         **page_model(
-            "vibralign explorer", study.baseline, None, study.settings.settings, interface,
+            "vibralign explorer", baseline, None, study.settings.settings, interface,
             assumptions(study.baseline, study.settings.settings),
         ),
-        "parameters": described(study.baseline, None, [*study.operating_point], _axes(study)),
+        "parameters": described(baseline, None, [*study.operating_point], _axes(study)),
         "presets": {name: DEFAULT_AXES | each for name, each in presets.items()},
         "first": CURVES[0],
         "maps": {name: _stored_map(study, name, of) for name, of in zip(MAPS, maps, strict=False)},

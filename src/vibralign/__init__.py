@@ -76,7 +76,7 @@ Readings = Variants  # the name in the API
 
 __version__ = _version()
 
-# Imported when they are used: they need the extra `study`, or take half a second.
+# Imported when they are used, because they take half a second.
 _LATER = {
     "Design": "vibralign.answers.design",
     "DeviceResults": "vibralign.answers.reliability",
@@ -122,12 +122,7 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     if name not in _LATER:
         raise AttributeError(f"module 'vibralign' has no attribute {name!r}")
-    try:
-        return getattr(importlib.import_module(_LATER[name]), name)
-    except ModuleNotFoundError as error:
-        raise ImportError(
-            f"vibralign.{name} needs {error.name}, not installed: pip install 'vibralign[study]'"
-        ) from error
+    return getattr(importlib.import_module(_LATER[name]), name)
 
 
 def __dir__() -> list[str]:

@@ -15,6 +15,7 @@ from model.engine.results import RESULTS, VALUE_TYPES
 from model.events.outcomes import Outcome
 from model.physics.parameters import PARAMETER_NAMES, Parameters, check_name
 from model.physics.quantities import ANGLE, PLAIN
+from model.physics.tables import vars_of
 from model.physics.units import scales
 from model.runs.align import align
 from model.runs.settings import Settings
@@ -29,9 +30,10 @@ from vibralign.answers.assumptions import (
 from vibralign.answers.maps import corners_of, quantity_attributes
 from vibralign.device.amounts import read_values
 from vibralign.device.batches import by_settings, devices_of, rows_of
+from vibralign.device.mouth import judged
 from vibralign.device.plausibility import check_press
 from vibralign.device.runs import IN_SI, AnyDevice, Device, devices_in, with_changes
-from vibralign.device.stated import QUANTITIES, StatedDevice, unit_of
+from vibralign.device.stated import StatedDevice, check_quantity, unit_of
 
 Axes = Mapping[str, NDArray[np.float64]]
 
@@ -83,7 +85,10 @@ def sweep(
             rule = f"must be a text with a unit, such as '1 {IN_SI[name].unit}'"
             raise ValueError(f"{name} = {changes[name]!r}: {rule}")  # noqa: TRY004 - by its value
     for name in varied:
-        check_name(name, QUANTITIES if is_stated else PARAMETER_NAMES, "quantity of a device")
+        if is_stated:
+            check_quantity(name)
+        else:
+            check_name(name, PARAMETER_NAMES, "quantity of a device")
     units = {name: unit_of(name) if is_stated else "1" for name in varied}
     values = {name: read_values(name, v, units[name], int(points)) for name, v in varied.items()}
     for one, _ in devices:
@@ -137,11 +142,14 @@ def _study(device: Device, settings: Settings, axes: Axes, cores: int | None) ->
         groups = by_settings(device, settings, units)
     found: dict[str, NDArray[Any]] = {}
     for own, rows in groups.items():
-        runs = align(rows_of(batch, rows), own, cores=cores)
+        some = rows_of(batch, rows)
+        runs = vars_of(align(some, own, cores=cores))
+        if isinstance(device, StatedDevice):
+            runs = judged(runs, some.values, chamfered=device.is_chamfered)
         for name, result in RESULTS.items():
             if name in _OF_INSERTION and own.success is not Outcome.INSERTED:
                 continue
-            column = getattr(runs, name)
+            column = runs[name]
             if units and result.quantity not in (PLAIN, ANGLE):
                 column = column * scales([units[row] for row in rows], result.quantity)
             whole = found.setdefault(name, np.empty(len(batch), VALUE_TYPES[name].stored))

@@ -15,7 +15,7 @@ DOCS = REPOSITORY / "docs"
 HELD_BY = re.compile(r"^```\{held-by\}\n(.*?)^```", re.MULTILINE | re.DOTALL)
 LABEL = re.compile(r"^\$\$ \((eq-\w+)\)$", re.MULTILINE)
 LINK = re.compile(r"\]\(([^)#\s]+)\)")
-FILE = re.compile(r"`((?:src|config|workflow|tests|docs|verification|benchmarks)/[\w./-]+\.\w+)`")
+FILE = re.compile(r"`((?:src|config|workflow|tests|docs|verification)/[\w./-]+\.\w+)`")
 
 
 def definitions(path: Path) -> set[str]:

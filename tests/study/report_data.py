@@ -8,9 +8,6 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from benchmarks.plans import PICTURES
-from benchmarks.report import SECTIONS
-from benchmarks.work_precision import table_of as settings_table
 from model.sweeps.io import write_dataset
 from model.sweeps.sweep import merge, run
 from study.claims import CLAIMS, VERDICTS, figure_of, judge
@@ -21,6 +18,9 @@ from study.plans import sweep_of
 from study.report import page as report_page
 from study.report.section import Results
 from tests.vibralign.plots.drawn import jamming_data
+from verification.bench.plans import PICTURES
+from verification.bench.report import SECTIONS
+from verification.bench.work_precision import table_of as settings_table
 
 # The smallest picture there is: one transparent pixel.
 PIXEL = base64.b64decode(

@@ -9,10 +9,6 @@ import numpy as np
 import pytest
 from markupsafe import escape
 
-from benchmarks.plans import PICTURES
-from benchmarks.report.advice import advice
-from benchmarks.report.checks import CHECKS
-from benchmarks.report.work_precision_plots import CAPTIONS
 from model.events.outcomes import InsertionOutcome, Outcome, Reason, Unvibrated
 from model.physics.parameters import PARAMETER_NAMES
 from model.physics.variants import VARIANT_NAMES
@@ -28,6 +24,10 @@ from study.report.findings import wedging_words
 from study.report.section import Results, subscripts
 from tests.study.report_data import PIXEL, Page, article, plain, render_report
 from tests.vibralign.plots.drawn import jamming_data
+from verification.bench.plans import PICTURES
+from verification.bench.report.advice import advice
+from verification.bench.report.checks import CHECKS
+from verification.bench.report.work_precision_plots import CAPTIONS
 from vibralign.plots.words import figure_title, percent, short
 
 MOST_WORDS = 4000  # in sight when the page is opened

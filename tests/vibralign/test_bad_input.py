@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from benchmarks.work_precision import read_settings
 from model.sweeps.io import DatasetError, read_dataset
 from study.csv_tables import TableError
 from verification.accuracy import read_tables
+from verification.bench.work_precision import read_settings
 from verification.fuzz import try_sets
 from verification.independent import solve
 from vibralign import Batch, Parameters, Scene, Variants, align, simulate

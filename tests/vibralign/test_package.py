@@ -1,6 +1,5 @@
 """The package that Python users import."""
 
-import importlib
 import subprocess
 import sys
 from importlib.metadata import version
@@ -40,14 +39,3 @@ def test_it_runs_the_command(tmp_path):
     found = in_folder(tmp_path, "import runpy, sys; sys.argv[1:] = ['--version'];"
                       "runpy.run_module('vibralign', run_name='__main__')")  # fmt: skip
     assert vibralign.__version__ in found.stdout
-
-
-@pytest.mark.parametrize(("name", "missing"), [("sweep", "xarray"), ("yield_of", "scipy")])
-def test_a_package_that_is_missing_is_named_with_its_extra(monkeypatch, name, missing):
-    for using in ("vibralign.studies", "vibralign.answers.yields", "vibralign.answers.maps"):
-        monkeypatch.delitem(sys.modules, using, raising=False)
-    monkeypatch.setitem(sys.modules, missing, None)
-    with pytest.raises(
-        ImportError, match=rf"{name} needs {missing}, .*pip install 'vibralign\[study"
-    ):
-        getattr(importlib.reload(vibralign), name)

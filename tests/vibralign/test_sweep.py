@@ -58,7 +58,7 @@ def test_each_node_is_the_run_of_its_device(found):
     peg = load_device(BRASS)
     assert dict(found.sizes) == {"mass": 3, "press_force": 5}
     assert found.press_force.values.tolist() == [4.0, 10.0, 16.0, 22.0, 28.0]
-    assert {Outcome.ALIGNED, Outcome.SETTLED} == {*found.outcome.values.ravel()}
+    assert {Outcome.ALIGNED, Outcome.SETTLED} <= {*found.outcome.values.ravel()}
     for place in np.ndindex(3, 5):
         node = found.isel(mass=place[0], press_force=place[1])
         one = peg.at({"mass": float(node.mass), "press_force": float(node.press_force)})

@@ -95,13 +95,14 @@ PRELOADED = """
 import gc, json, os, runpy, select, signal, socket, sys
 import matplotlib.pyplot, netCDF4, pint, scipy.ndimage, scipy.special, smart_open, xarray
 import snakemake.cli, snakemake.report.html_reporter
-import study.claims, study.config, study.plans
+import study.claims, study.config, study.plans, vibralign
 from model.engine.lane_events import lane_events_of
 from model.events.kernels import in_kernels
 
-for scene in model.ALIGNMENT, model.INSERTION:
+for scene in vibralign.ALIGNMENT, vibralign.INSERTION:
     lane_events_of(in_kernels(scene).events)  # derived once
 
+OWN = "model", "vibralign", "study"
 READ_AT_IMPORT = "PYTHONPATH", "XDG_CACHE_HOME"
 sys.executable = os.path.abspath("python")  # with which Snakemake runs scripts
 gc.freeze()  # forks need not look through what they share
@@ -132,7 +133,7 @@ while sys.stdin not in select.select([listener, sys.stdin], [], [])[0]:  # close
     os.chdir(folder)
     if any(environment.get(each) != os.environ.get(each) for each in READ_AT_IMPORT):
         sys.path[:0] = environment["PYTHONPATH"].split(os.pathsep)
-        for each in [each for each in sys.modules if each.split(".")[0] == "model"]:
+        for each in [each for each in sys.modules if each.split(".")[0] in OWN]:
             del sys.modules[each]
     os.environ.clear(), os.environ.update(environment)
     code = 1
@@ -218,7 +219,7 @@ class Workspace:
 
     @property
     def sources(self) -> str:
-        """Folder from which the package, verification and benchmarks are imported."""
+        """Folder from which the packages and verification are imported."""
         return sources_of(self.checkout)
 
     @property

@@ -35,7 +35,7 @@ EDIT = ("\nfrom ", "\nEDITED = True\nfrom ")
 EDITS = [
     ("src/model/engine/lifecycle.py", "_FIRST_STEP = 1e-2", "_FIRST_STEP = 1e-3",
      {*KERNELS, *COMPUTED}),
-    ("benchmarks/methods/by_hand.py", *EDIT, {"unlocated_kernels", *METHODS}),
+    ("verification/bench/methods/by_hand.py", *EDIT, {"unlocated_kernels", *METHODS}),
     ("src/study/config/runs.py", *EDIT, {"explorer", *WEIGHED}),
     ("src/model/sweeps/io.py", '"complevel": 4', '"complevel": 5', COMPUTED - COMPARED),
     ("src/study/claims/claims.yaml", "the regime is non-impact", "contact is kept", WEIGHED),
@@ -72,7 +72,7 @@ def project(touched: Any, tmp_path_factory: pytest.TempPathFactory) -> Any:
     """A copy of the made study, and of the package; all tests but the last leave it as it was."""
     made = copy.copy(touched)
     made.folder = shutil.copytree(touched.folder, tmp_path_factory.mktemp("edited") / "project")
-    for part in ("src", "verification", "benchmarks"):  # with their bytecode, if there is any
+    for part in ("src", "verification"):  # with their bytecode, if there is any
         shutil.copytree(PROJECT / part, made.folder / part)
     return made
 
@@ -183,7 +183,7 @@ def test_a_lost_file_is_made_again(project: Any) -> None:
 
 def test_nothing_runs_again_after_touch_comment_and_reformat(project: Any) -> None:
     project.checkout = project.folder
-    places = ("src", "verification", "benchmarks", "workflow")
+    places = ("src", "verification", "workflow")
     sources = [path for place in places for path in (project.folder / place).rglob("*.py")]
     assert len(sources) > 100
     for path in sources:

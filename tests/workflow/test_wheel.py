@@ -2,6 +2,7 @@
 
 import os
 import re
+import shutil
 import subprocess
 import sys
 import zipfile
@@ -84,3 +85,27 @@ def test_a_wheel_runs_without_the_checkout(distributions: dict[str, Path], tmp_p
     place, clearance = run.stdout.split()
     assert Path(place).is_relative_to(tmp_path / "installed")
     assert float(clearance) == 0.09
+
+
+@pytest.mark.nightly
+def test_an_empty_environment_with_the_wheel_assesses_a_device(
+    distributions: dict[str, Path], tmp_path: Path
+) -> None:
+    """As an engineer installs it, from an index of packages."""
+    python = tmp_path / "venv" / "bin" / "python"
+    subprocess.run([sys.executable, "-m", "venv", tmp_path / "venv"], check=True)
+    pip = [python, "-m", "pip", "--disable-pip-version-check"]
+    subprocess.run([*pip, "install", "--quiet", distributions[".whl"]], check=True)
+    listed = subprocess.run([*pip, "freeze"], capture_output=True, text=True, check=True).stdout
+    assert "vibralign" in listed
+    assert "snakemake" not in listed
+    shutil.copy(PROJECT / "docs" / "peg.yaml", tmp_path)
+    own = {"PATH": "/usr/bin:/bin", "VIBRALIGN_CACHE": str(tmp_path / "cache")}
+    command = [python.with_name("vibralign"), "assess", "--device", "peg.yaml"]
+    command += ["--sheet", "peg.html"]
+    run = subprocess.run(
+        command, cwd=tmp_path, env=own, capture_output=True, text=True, check=False
+    )
+    assert run.returncode == 0, run.stderr
+    assert "reliable" in run.stdout
+    assert (tmp_path / "peg.html").is_file()

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from study.plans import sweep_of
 from study.tracking.code import code_of
-from benchmarks.plans import PICTURES
+from verification.bench.plans import PICTURES
 
 
 def code(script):

@@ -4,7 +4,7 @@ Errors and evaluations are the same in every build. CPU times are not: they are 
 and nothing in data/ or figures/ is made from them.
 """
 
-from benchmarks.plans import precision_plan
+from verification.bench.plans import precision_plan
 
 
 # Apart from the other kernels, so that an edit of the compared methods reruns no figure.

@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-from benchmarks.report.stability_plot import stability
-from benchmarks.report.work_precision_plots import evaluations_over_error, time_over_error
-from benchmarks.work_precision import read_settings
 from study.tracking.job import recorded, snakemake
+from verification.bench.report.stability_plot import stability
+from verification.bench.report.work_precision_plots import evaluations_over_error, time_over_error
+from verification.bench.work_precision import read_settings
 from vibralign.plots.style import save
 
 DRAW = {"evaluations": evaluations_over_error, "times": time_over_error, "stability": stability}

@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-from benchmarks.plans import PrecisionPlan
-from benchmarks.work_precision import Setting, measured, methods_for, table_of, true_run
 from model.sweeps.files import write_text
 from study.tracking.job import recorded, snakemake
+from verification.bench.plans import PrecisionPlan
+from verification.bench.work_precision import Setting, measured, methods_for, table_of, true_run
 
 with recorded(snakemake) as metadata:
     plan = PrecisionPlan.model_validate(snakemake.params.plan)

@@ -2,12 +2,12 @@
 
 from pathlib import Path
 
-from benchmarks.report import SECTIONS
 from model.sweeps.files import write_text
 from study.config.study import Study
 from study.report.page import render_report
 from study.report.section import Results
 from study.tracking.job import recorded, snakemake
+from verification.bench.report import SECTIONS
 
 with recorded(snakemake):
     page, study = Path(snakemake.output.page), Study.model_validate(snakemake.params.study)

@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-from benchmarks.methods import compile_unlocated
 from model.physics.parameters import Parameters
 from model.sweeps.files import write_json
 from study.tracking.job import recorded, snakemake
+from verification.bench.methods import compile_unlocated
 
 with recorded(snakemake) as metadata:
     compile_unlocated(Parameters(**snakemake.params.parameters))

@@ -81,7 +81,7 @@ class Declarations:
 
     def lanes(self) -> tuple[str, str]:
         """Return metadata of accesses in a new loop over lanes, and of its jump back."""
-        if self.checked:
+        if self.checked or WIDTH == 1:
             return "", ""
         group = 2 * len(self.texts)
         hints = (

@@ -34,6 +34,23 @@ def processor() -> Processor:
     return Processor(llvm.get_host_cpu_name(), features + wide)
 
 
+# Registers of vectors, and how many floats each holds; a sum of eight floats uses the widest.
+_REGISTERS = (("zmm", 8), ("ymm", 4), ("xmm", 2), (".2d", 2))
+_SUM = """\
+define <8 x double> @sum(<8 x double> %x) {
+%y = fadd <8 x double> %x, %x
+ret <8 x double> %y
+}
+"""
+
+
+def floats_in_a_vector() -> int:
+    """Return how many floats the widest vectors of the processor hold: 8, 4, 2 or 1."""
+    module = llvm.parse_assembly(_SUM, llvm.create_context())
+    assembly = _machine().emit_assembly(module)
+    return next((count for register, count in _REGISTERS if register in assembly), 1)
+
+
 def written_for() -> str:
     """Return what machine code depends on besides its text."""
     return f"LLVM {llvm.llvm_version_info}, {llvm.get_process_triple()}, {processor()}"

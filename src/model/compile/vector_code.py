@@ -1,14 +1,29 @@
-"""Functions of vectors, written in LLVM's language."""
+"""Functions of vectors, written in LLVM's language, and how many numbers a vector has."""
 
+import os
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 from model.compile.identity import OutsideError, digest_of
+from model.compile.machine_code import floats_in_a_vector
 from model.compile.values import constant
 
-WIDTH = 8  # numbers in a vector
+WIDTHS = (8, 4, 2, 1)
+
+
+def _width() -> int:
+    stated = os.environ.get("VIBRALIGN_WIDTH") or str(floats_in_a_vector())
+    if stated not in map(str, WIDTHS):
+        raise ValueError(f"VIBRALIGN_WIDTH = {stated!r}: must be 8, 4, 2 or 1")
+    return int(stated)
+
+
+WIDTH = _width()
+"""Numbers in a vector: one for all code of a process, that of the processor's vectors, unless
+``VIBRALIGN_WIDTH`` states it (decision 61)."""
+
 _VECTOR = f"<{WIDTH} x double>"
-_ALIGNMENT = 64
+_ALIGNMENT = 8 * WIDTH  # bytes
 
 
 class VectorWriter:

@@ -102,8 +102,6 @@ def store_state(q, runs, i):
 @kernel
 def store_result(events, runs, i, results, row):
     """Write the ``RunResult`` of run ``i``, which has ended, into ``results[row]``."""
-    if events.constants.is_round:
-        runs[i, AT.edge_force_max] *= 0.5  # each of two tips carries half of the load
     largest = runs[i, FORCES]
     for place in range(1, len(PLACES_OF_CONTACT)):
         largest = max(largest, runs[i, FORCES + place])

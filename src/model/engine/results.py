@@ -147,7 +147,7 @@ class Results(Value, Generic[OutcomeT, ReasonT, Real, Count, Flag]):
         tolerance=equal_if_aligned, line=str,
     )  # fmt: skip
     contact_force_max: Real = entry(
-        "largest normal force at one point; until alignment, or the end of an insertion",
+        "largest normal force at one place; until alignment, or the end of an insertion",
         FORCE, "n", tolerance=of_sampled_force,
     )  # fmt: skip
     sticking_share: Real = entry(
@@ -171,7 +171,7 @@ class Results(Value, Generic[OutcomeT, ReasonT, Real, Count, Flag]):
         TIME, estimated=True, stored=False,
     )  # fmt: skip
     edge_force_max: Real = entry(
-        "largest normal force of the bottom face at an edge, or at one tip of a round part",
+        "largest normal force of the bottom face at an edge, or at both tips of a round part",
         FORCE, tolerance=of_sampled_force, stored=False,
     )  # fmt: skip
     corner_force_max: Real = entry(

@@ -70,6 +70,7 @@ class Reason(Named):
     WEDGED = 16
     LACK_OF_FORCE = 17
     ON_EDGE = 18
+    ON_FLANK = 22
 
 
 OUTCOME: Any = numbers("OUTCOME", [*Outcome.__members__])(*map(int, Outcome))
@@ -113,6 +114,8 @@ REASON_TEXT: dict[Reason, str] = {
     "tolerance may answer otherwise",
     Reason.NO_REST: "pressed slowly it does not come to rest on the edge: it topples or slides off "
     "before the vibration sets in",
+    Reason.ON_FLANK: "it is tilted so far, or so far aside, that it meets a flank of the chamfers: "
+    "that is not modelled",
 }
 
 UNVIBRATED_TEXT: dict[Unvibrated, str] = {
@@ -147,6 +150,7 @@ _REMEDY_OF_REASON: dict[Reason, str] = {
     Reason.CHAOTIC: f"change {_USUAL}: a longer horizon leaves it to chance",
     Reason.NO_REST: "lower press_force, or raise tilt_stiffness or friction, so that it rests; or "
     "start = 'simultaneous'",
+    Reason.ON_FLANK: "widen the chamfers, or raise tilt_stiffness so that it tilts less",
     Reason.NO_FRICTION_SOLUTION: "use the consistent readings normal_sign and side_force, under "
     "which friction always has a solution",
 }

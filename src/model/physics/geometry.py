@@ -152,23 +152,22 @@ def lever_if_flat(half_width: Length, hole: Length, misalignment: Length, shape:
     return (hole**2 - half_width**2 - misalignment**2) / (2.0 * misalignment)
 
 
-def farthest_round(half_width: float, hole: float, half_height: float, tilt: float) -> float:
-    """Return the misalignment up to which the press tilts a round part towards the hole (T8).
-
-    Lengths in any one unit, the ``tilt`` at the start in radians.
-    """
-    return math.hypot(math.sqrt(hole**2 - half_width**2), half_height * math.tan(tilt))
-
-
 def farthest_tilted(p: Constants) -> float:
-    """Return the misalignment up to which the press tilts a part towards the hole."""
+    """Return x(0) up to which the press tilts a part towards the hole.
+
+    Of a round part (T8); one that is tilted away stands flat first, with its face where it was.
+    """
     if not p.is_round:
         return float(p.slot_half_width)
-    return farthest_round(p.half_width, p.slot_half_width, p.half_height, p.initial_tilt)
+    flat, tilt = sqrt(_gap(p)), p.initial_tilt
+    if tilt < 0.0:
+        return flat - p.half_height * math.sin(tilt)
+    return math.hypot(flat, p.half_height * math.tan(tilt))
 
 
 def lever_doubt(p: Constants) -> float:
     """Return by what share the lever of a round part grows if the rims themselves yield (T10)."""
-    rest = _gap(p) - p.misalignment**2
+    middle = p.misalignment + p.half_height * math.sin(p.initial_tilt)
+    rest = _gap(p) - middle**2
     force = p.press_force + 1.0
     return 2.0 * p.half_width * force / (p.contact_stiffness * rest) if rest > 0.0 else math.inf

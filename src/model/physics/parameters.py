@@ -46,13 +46,22 @@ def check_name(name: str, valid: Sequence[str], what: str) -> None:
     raise ValueError(f"unknown {what} {name!r}.{hint} Valid: {', '.join(valid)}")
 
 
-def _misplaced(half_width: Any, clearance: Any, misalignment: Any) -> Any:
-    """Return whether the part would start wholly beside the slot's edge (any shape)."""
-    return misalignment >= half_width * (2.0 + clearance)
+def _misplaced(values: Mapping[str, Any]) -> Any:
+    """Return whether a part of any shape would start wholly beside the slot, or left of it.
+
+    ``values`` are parameters by name: numbers or arrays. Either the mass centre or the middle of
+    the face must be in place.
+    """
+    x = values["misalignment"]
+    middle = x + values["half_height"] * np.sin(values["initial_tilt"])
+    beside = np.minimum(x, middle) >= values["half_width"] * (2.0 + values["clearance"])
+    return beside | (np.maximum(x, middle) < 0.0)
 
 
 _MISPLACED_RULE = (
-    "must be smaller than half_width * (2 + clearance): the part would start wholly beside the slot"
+    "must be smaller than half_width * (2 + clearance): the part would start wholly beside the "
+    "slot; and >= 0, or the tilt must bring the middle of the face, misalignment + half_height * "
+    "sin(initial_tilt), to where it is >= 0"
 )
 
 
@@ -74,7 +83,7 @@ class Parameters(Value):
         "δ", "joining clearance (l - a)/a", PLAIN, "> 0", measured=True, default=0.09
     )
     misalignment: float = entry(
-        "x(0)", "axial misalignment at the start", LENGTH, ">= 0", measured=True, default=0.2
+        "x(0)", "axial misalignment at the start", LENGTH, measured=True, default=0.2
     )
     initial_tilt: float = entry("φ(0)", "tilt at the start", ANGLE, default=0.001)
     inertia: float = entry("I_φ", "moment of inertia about the mass centre", INERTIA, "> 0")
@@ -129,7 +138,7 @@ class Parameters(Value):
             row.append(number)
         # ``Batch.stack`` joins these bytes, which is faster than to read every attribute.
         object.__setattr__(self, "_row", _ROW.pack(*row))
-        if _misplaced(self.half_width, self.clearance, self.misalignment):
+        if _misplaced(self.given()):
             raise ValueError(f"misalignment = {self.misalignment!r}: {_MISPLACED_RULE}")
 
     @property
@@ -276,7 +285,7 @@ class Batch(Value):
                 raise ValueError(
                     f"{name}[{row}] = {float(columns[name][row])!r}: {FIELDS[name].rule}"
                 )
-        misplaced = _misplaced(columns["half_width"], columns["clearance"], columns["misalignment"])
+        misplaced = _misplaced(columns)
         if misplaced.any():
             row = int(np.argmax(misplaced))
             raise ValueError(

@@ -7,7 +7,10 @@ A page calls the same entries as Python (compile/entries.py), with arrays in its
 import contextlib
 import hashlib
 import json
+import os
 import shutil
+import subprocess
+import sys
 import tempfile
 from collections.abc import Iterator
 from dataclasses import replace
@@ -19,7 +22,7 @@ from numpy.typing import NDArray
 
 from model.compile.cache import cache_folder
 from model.compile.entries import flattened
-from model.compile.identity import digest_of
+from model.compile.identity import PACKAGE, digest_of
 from model.compile.kernels import inlined_kernel, kernel
 from model.compile.webassembly import web_assembly_of
 from model.engine.lane_events import lane_events_of
@@ -31,7 +34,7 @@ from model.events.insertion import INSERTION
 from model.events.kernels import SceneEvents, in_kernels
 from model.events.scenes import ALIGNMENT, Scene
 from model.physics.parameters import PARAMETER_NAMES, Constants, Given, Shape, resolved
-from model.runs.settings import Settings
+from model.runs.settings import SCENES, Settings
 from model.runs.trace import COLUMNS, integrate_trace
 
 # ------------------------------------------------------------------------------------------ kernels
@@ -100,9 +103,9 @@ class _Declared(NamedTuple):
     lengths: dict[str, str]
 
 
-def _declared(is_round: bool) -> dict[str, _Declared]:
-    """Return the functions: ``run_one`` has the insertion scene, ``run_many`` ends at alignment."""
-    inserting, aligning = (in_kernels(each, is_round) for each in (INSERTION, ALIGNMENT))
+def _declared(is_round: bool, scene: Scene) -> dict[str, _Declared]:
+    """Return the functions: ``run_one`` has the scene, ``run_many`` ends at alignment."""
+    own, aligning = (in_kernels(each, is_round) for each in (scene, ALIGNMENT))
     given, limits = np.zeros((1, _GIVEN)), np.zeros(1 + len(Control._fields))
     results = np.zeros((1, _RESULTS))
     one = {
@@ -118,7 +121,7 @@ def _declared(is_round: bool) -> dict[str, _Declared]:
     }  # fmt: skip
     sets = dict.fromkeys(("given", "results"), "sets")
     return {
-        "run_one": _Declared(_run_one(inserting), one, sets | {"track": "rows"}),
+        "run_one": _Declared(_run_one(own), one, sets | {"track": "rows"}),
         "run_many": _Declared(
             _run_many(aligning), many, sets | dict.fromkeys(("constants", "tolerances"), "sets")
         ),
@@ -172,10 +175,24 @@ def interface(scene: Scene = INSERTION, shape: Shape = "square") -> dict[str, An
     }
 
 
-def _compile(folder: Path, shape: Shape) -> None:
+WIDTH_OF_PAGES = 2  # WebAssembly's vectors have 128 bits (decision 61)
+
+
+def _compile_apart(folder: Path, shape: Shape, scene: Scene) -> None:
+    """Write the modules and their interface into ``folder``, from a process of their own width."""
+    paths = [str(PACKAGE.parent), os.environ.get("PYTHONPATH", "")]
+    variables = {"VIBRALIGN_WIDTH": str(WIDTH_OF_PAGES), "PYTHONPATH": os.pathsep.join(paths)}
+    program = "from model.runs.in_browser import _compile; import pathlib, sys; "
+    program += "_compile(pathlib.Path(sys.argv[1]), *sys.argv[2:])"
+    arguments = [sys.executable, "-c", program, str(folder), shape, scene.name]
+    subprocess.run(arguments, env={**os.environ, **variables}, check=True)
+
+
+def _compile(folder: Path, shape: Shape, scene_name: str) -> None:
     """Write the modules and their interface into ``folder``."""
-    table = interface(shape=shape) | {"functions": {}}
-    for name, function in _declared(shape == "round").items():
+    scene = SCENES[scene_name]
+    table = interface(scene, shape) | {"functions": {}}
+    for name, function in _declared(shape == "round", scene).items():
         types = tuple(flattened(each, []) for each in function.arguments.values())
         made = web_assembly_of((function.kernel, types))
         sha256 = hashlib.sha256(made.binary).hexdigest()
@@ -186,26 +203,27 @@ def _compile(folder: Path, shape: Shape) -> None:
     (folder / "interface.json").write_text(json.dumps(table))
 
 
-def _folder(shape: Shape) -> Path:
-    return cache_folder() / "webassembly" / f"{shape}_{digest_of(_compile, shape)}"
+def _folder(shape: Shape, scene: Scene) -> Path:
+    digest = digest_of(_compile, WIDTH_OF_PAGES, shape, scene.name)
+    return cache_folder() / "webassembly" / f"{shape}_{scene.name}_{digest}"
 
 
-def are_cached(shape: Shape = "square") -> bool:
+def are_cached(shape: Shape = "square", scene: Scene = INSERTION) -> bool:
     """Return whether the modules are compiled already."""
-    return _folder(shape).exists()
+    return _folder(shape, scene).exists()
 
 
-def modules(shape: Shape = "square") -> Modules:
-    """Return the modules for parts of a shape, compiled unless they are cached.
+def modules(shape: Shape = "square", scene: Scene = INSERTION) -> Modules:
+    """Return the modules for parts of a shape in a scene, compiled unless they are cached.
 
     Raises:
         OSError: no folder for temporary files can be written.
     """
-    folder = _folder(shape)
+    folder = _folder(shape, scene)
     if (kept := _kept(folder)) is not None:
         return kept
     with tempfile.TemporaryDirectory() as made:
-        _compile(Path(made), shape)
+        _compile_apart(Path(made), shape, scene)
         compiled = _kept(Path(made))
         with contextlib.suppress(OSError):  # a read-only cache, or another process was faster
             shutil.rmtree(folder, ignore_errors=True)  # damaged

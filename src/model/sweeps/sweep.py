@@ -122,12 +122,20 @@ class Sweep(Plan):
         """Sweep over nodes and starts: dimensions of a map, tilts, phases."""
         if self.ensemble is None:
             return None
-        tilts, phases = tilts_and_phases(self.baseline, self.ensemble)
         values = {name: each[:: self.ensemble.every] for name, each in self.swept.items()}
-        values |= {"initial_tilt": list(dict.fromkeys(tilts)), "phase": phases}
+        values |= self.start_values(self.ensemble)
         dimensions = [Family.model_construct(parameter=n, values=v) for n, v in values.items()]
         of_starts = {"ensemble": None, "variables": ("outcome", "tau_align")}
         return self.model_copy(update={"dimensions": dimensions, **of_starts})
+
+    def start_values(self, ensemble: Ensemble) -> dict[str, list[float]]:
+        """Return the values of each parameter of the starts of an ensemble."""
+        tilts, phases = tilts_and_phases(self.baseline, ensemble)
+        return {"initial_tilt": list(dict.fromkeys(tilts)), "phase": phases}
+
+    def judged(self, results: Columns, _batch: Batch) -> Columns:
+        """Return the results of runs, by name, as the sweep's owner judges them."""
+        return results
 
     @property
     def parts(self) -> dict[str, "Sweep"]:
@@ -204,7 +212,8 @@ def _results(
     found: dict[str, NDArray[Any]] = {}
     courses: dict[str, NDArray[Any]] = {}
     for places, batch, settings, units in sweep.groups(points):
-        columns, courses = _computed(sweep, batch, settings, cores)
+        computed, courses = _computed(sweep, batch, settings, cores)
+        columns = sweep.judged(computed, batch)
         for name in sweep.variables:
             kind = VALUE_TYPES[name].stored if name in VARIABLES else np.float64
             values = columns[name]
@@ -307,7 +316,7 @@ def _of_starts(sweep: Sweep, columns: Columns) -> dict[str, Any]:
         values = columns[f"{START}{name}"].reshape(sweep.shape)
         variables[f"{START}{name}"] = (dims, values, attributes | words)
     goes_in = np.isin(variables[f"{START}outcome"][1], SUCCESSES)
-    reliable = np.logical_and.reduce(goes_in, axis=(2, 3))
+    reliable = np.logical_and.reduce(goes_in, axis=tuple(range(2, goes_in.ndim)))
     values_of = {"reliable": reliable.astype(np.int8), "margin": margin_of(reliable)}
     return variables | {name: (dims[:2], v, _OF_STARTS[name]) for name, v in values_of.items()}
 

@@ -20,7 +20,7 @@ from model.sweeps.files import write_text
 
 _SOURCES = Path(__file__).resolve().parents[2]
 _PACKAGES = ("model", "vibralign", "study")  # in the folder of the sources
-_BESIDE = ("verification", "benchmarks")  # packages of the checkout
+_BESIDE = ("verification",)  # packages of the checkout
 _RECORDS = ["study", "tracking"]  # not hashed: recording a job changes none of its results
 
 

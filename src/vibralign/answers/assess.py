@@ -17,13 +17,23 @@ from numpy.typing import NDArray
 from model.events.insertion import INSERTION
 from model.physics.parameters import Batch, Parameters
 from model.physics.tables import Value
+from model.physics.units import UNITS
 from model.runs.settings import Settings
 from model.runs.simulate import Trajectory, simulate_once
 from model.sweeps.settings import Ensemble
-from model.sweeps.starts import Starts, every_start, starts_of
+from model.sweeps.starts import Starts
 from vibralign.answers.cases import OF_BASE, cases_of, on_bases, parameters_in, stated_case
 from vibralign.answers.causes import cause_of, first_change
-from vibralign.answers.leeways import Leeway, Nearest, a_step_inside, leeways, nearest, together
+from vibralign.answers.leeways import (
+    ADDED,
+    VARIED,
+    Leeway,
+    Nearest,
+    a_step_inside,
+    leeways,
+    nearest,
+    together,
+)
 from vibralign.answers.reliability import (
     FORCES,
     STATISTICAL_TOLERANCE,
@@ -33,7 +43,8 @@ from vibralign.answers.reliability import (
 )
 from vibralign.device import StatedDevice
 from vibralign.device.batches import Values
-from vibralign.device.runs import AnyDevice, device_of
+from vibralign.device.mouth import GRIPPER_TILT
+from vibralign.device.runs import AnyDevice, device_of, of_device
 
 _HOPPING = 8  # number of cases whose touch-downs are examined
 _SAME_TIME = 0.02  # relative difference below which two times count as equal
@@ -86,6 +97,21 @@ class Successes(NamedTuple):
     tau_worst: float
 
 
+class TiltVerdict(NamedTuple):
+    """Results of a device that is held with one tilt, in rad, on all bases; as ``Successes``."""
+
+    tilt: float
+    starts: int
+    aligned: int
+    tau_best: float
+    tau_worst: float
+
+    @property
+    def reliable(self) -> bool:
+        """True if the device succeeds from every start at this tilt."""
+        return self.aligned == self.starts
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Assessment(Value):
     """Results of a device in every case, dimensionless, and its leeways.
@@ -110,6 +136,9 @@ class Assessment(Value):
             SI units for a device of a file; empty if none was found. Of one parameter it is a step
             (6 %) beyond the nearest reliable value, where that is reliable as well.
         if_square: successes of a square part in its place; None if the shape is stated.
+        tilts: verdicts on the gripper's tilts that are tried, its own first; empty if only one is.
+        tilt_range: tilts of the gripper at which it succeeds in every other respect; None if only
+            one tilt is tried, or it fails at that.
     """
 
     starts: int
@@ -129,6 +158,8 @@ class Assessment(Value):
     cause: str = ""
     change: Mapping[str, float] = field(default_factory=dict)
     if_square: Successes | None = None
+    tilts: tuple[TiltVerdict, ...] = ()
+    tilt_range: Leeway | None = None
 
     def __repr__(self) -> str:
         words = "reliable" if self.reliable else "not reliable"
@@ -216,7 +247,7 @@ def assess(
     slowest_first = np.lexsort((-np.nan_to_num(tau + results["tau_inserted"]), goes_in))
     hardest = [cases[i] for i in slowest_first]  # fail first where the device is changed
     hopping = [i for i in np.argsort(-hops, kind="stable")[:_HOPPING] if hops[i] > 0]
-    runs = [simulate_once(parameters_in(device, cases[i]), settings) for i in hopping]
+    runs = [_run_in(device, cases[i], settings) for i in hopping]
 
     def is_reliable(values: Values) -> NDArray[np.bool_]:
         return are_reliable(device, values, hardest, settings, cores)
@@ -240,14 +271,18 @@ def assess(
         forces={place: float(np.fmax.reduce(results[name])) for place, name in FORCES.items()},
         inserted=_ends(inserted),
         if_square=_if_square(device, ensemble, settings, cores),
+        tilts=_at_each_tilt(cases, goes_in, tau),
     )
     held = _held(device, cases)
+    if vary and result.tilts and result.tilts[0].reliable:
+        ranged = _tilt_range(device, ensemble, settings, cores)
+        result = replace(result, tilt_range=ranged)
     if goes_in.all():
         quicker = roughly if settings.tolerance < STATISTICAL_TOLERANCE else None
         ranges = leeways(device, is_reliable, is_late, held, quicker) if vary else ()
         return replace(result, leeways=ranges)
     failing = cases[int(np.argmin(goes_in))]
-    failed = simulate_once(parameters_in(device, failing), settings)
+    failed = _run_in(device, failing, settings)
     cause = cause_of(failed, settings.shape or "square")
     result = replace(result, failing_start=stated_case(device, failing), cause=cause.words)
     if not vary:
@@ -258,25 +293,62 @@ def assess(
     return replace(result, nearest=near, change=change)
 
 
+def _run_in(
+    device: Parameters | StatedDevice, case: Mapping[str, float], settings: Settings
+) -> Trajectory:
+    """Return the run of a device in a case, without an estimate of its error."""
+    run = simulate_once(parameters_in(device, case), settings)
+    return of_device(run, device) if isinstance(device, StatedDevice) else run
+
+
+def _at_each_tilt(
+    cases: Starts, goes_in: NDArray[np.bool_], tau: NDArray[np.float64]
+) -> tuple[TiltVerdict, ...]:
+    """Return the verdicts on the gripper's tilts of the cases; empty without."""
+    tilts = np.array([case.get(GRIPPER_TILT, math.nan) for case in cases])
+    return tuple(
+        TiltVerdict(tilt, *_successes(goes_in[tilts == tilt], tau[tilts == tilt]))
+        for tilt in dict.fromkeys(tilts[~np.isnan(tilts)].tolist())
+    )
+
+
+def _tilt_range(
+    device: Parameters | StatedDevice, ensemble: Ensemble, settings: Settings, cores: int
+) -> Leeway | None:
+    """Return the leeway of the gripper's tilt of a device that is reliable at its own."""
+    cases = cases_of(device, ensemble, varied=ADDED)
+
+    def is_reliable(values: Values) -> NDArray[np.bool_]:
+        return are_reliable(device, values, cases, settings, cores)
+
+    def is_late(values: Values) -> NDArray[np.bool_]:
+        return are_late(device, values, cases, settings, cores)
+
+    return next(iter(leeways(device, is_reliable, is_late, (*UNITS, *VARIED))), None)
+
+
 def _if_square(
     device: Parameters | StatedDevice, ensemble: Ensemble, settings: Settings, cores: int
 ) -> Successes | None:
     """Return the successes of a square part in place of one whose shape is not stated."""
     if not isinstance(device, StatedDevice) or device.stated_shape is not None:
         return None
-    square = replace(device, stated_shape="square").parameters
+    square = replace(device, stated_shape="square")
     settings = replace(settings, shape="square")
-    starts = starts_of(square, ensemble)
-    results = every_start(Batch.stack([square]), starts, settings, cores)
+    cases = cases_of(square, ensemble)
+    starts = [each for each in cases if math.isnan(each.get("level", math.nan))]
+    own = {"friction": np.array([square.quantities["friction"]])}
+    results, _ = from_every_start(square, own, starts, settings, cores)
     return _successes(results["goes_in"][0], results["tau_align"][0])
 
 
 def _held(device: Parameters | StatedDevice, cases: Starts) -> tuple[str, ...]:
-    """Return the parameters that the bases of the cases replace."""
+    """Return the quantities that the cases replace: those of the base, the gripper's tilt."""
+    tilts = tuple(ADDED if GRIPPER_TILT in cases[0] else ())
     if isinstance(device, Parameters) or OF_BASE[0] not in cases[0]:
-        return ()
+        return tilts
     own_damping = "contact_damping" in device.quantities
-    return ("contact_stiffness", *(() if own_damping else ("contact_damping",)))
+    return ("contact_stiffness", *(() if own_damping else ("contact_damping",)), *tilts)
 
 
 def _on_each_base(

@@ -11,10 +11,12 @@ from model.physics.quantities import ANGLE, DAMPING, LENGTH, STIFFNESS, TIME
 from model.physics.units import Units
 from model.runs.settings import Settings
 from model.sweeps.settings import Ensemble
+from vibralign.answers.cases import tilts_of
 from vibralign.answers.reliability import STATISTICAL_TOLERANCE
 from vibralign.answers.si import in_words, named_words, quantity_of, si_words
 from vibralign.device import StatedDevice
 from vibralign.device.base import USUAL_STIFFNESS
+from vibralign.device.mouth import GRIPPER_TILT
 
 _AMOUNTS = re.compile(r"(-?\d[\d.]*(?:e[-+]?\d+)?(?: (?:[kMG]?N(?: s)?/m|m?m|m?s|rad)\b)?)")
 _STARTS = {
@@ -44,8 +46,8 @@ def assumptions(
     words = {
         "shape": _shape(settings, stated),
         "start": _STARTS[settings.start or "simultaneous"],
-        "touch-down": _touch_down(parameters, units, ensemble),
-        "goal": _goal(parameters, settings, units),
+        "touch-down": _touch_down(parameters, stated, ensemble),
+        "goal": _goal(parameters, settings, stated),
         "base": _base(parameters, stated),
         "horizon": _horizon(settings, units),
         "precision": _precision(settings, counted=bool(ensemble and stated and stated.tolerances)),
@@ -120,18 +122,26 @@ def _shape(settings: Settings, stated: StatedDevice | None) -> str:
     return "square: a plane part beside a slot, as in the paper"
 
 
-def _touch_down(parameters: Parameters, units: Units | None, ensemble: Ensemble | None) -> str:
+def _touch_down(
+    parameters: Parameters, stated: StatedDevice | None, ensemble: Ensemble | None
+) -> str:
+    known = stated is None or GRIPPER_TILT in stated.quantities
+    source = "" if known else " (gripper_tilt is not stated)"
+    units = None if stated is None else stated.units
     if ensemble is None:
         tilt = in_words(parameters.initial_tilt, ANGLE, units)
         words = f"one start, at phase {parameters.phase:.4g} rad of the excitation"
-        return f"{words}, tilted by {tilt}; vibralign assess takes all phases"
-    tilts = " and ".join(
-        in_words(parameters.initial_tilt * each, ANGLE, units) for each in ensemble.tilts
-    )
-    return f"at {ensemble.phases} phases of the excitation, tilted by {tilts}"
+        return f"{words}, tilted by {tilt}{source}; vibralign assess takes all phases"
+    tilts = [parameters.initial_tilt * each for each in ensemble.tilts]
+    tilts = tilts if stated is None else tilts_of(stated)
+    words = " and ".join(in_words(each, ANGLE, units) for each in tilts)
+    return f"at {ensemble.phases} phases of the excitation, tilted by {words}{source}"
 
 
-def _goal(parameters: Parameters, settings: Settings, units: Units | None) -> str:
+def _goal(parameters: Parameters, settings: Settings, stated: StatedDevice | None) -> str:
+    units = None if stated is None else stated.units
+    if stated is not None and stated.is_chamfered:
+        return "aligned: the face has reached the chamfers, whose flanks are not modelled"
     if settings.success is not Outcome.INSERTED:
         return "aligned: the edge is past the corner of the hole"
     batch, depth = Batch.stack([parameters]), settings.insertion_depth

@@ -8,23 +8,24 @@ fourth, in turn.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 
-from model.physics.geometry import lever_if_flat
 from model.physics.parameters import Batch, Parameters, Shape
 from model.physics.units import Units
 from model.sweeps.settings import Ensemble
-from model.sweeps.starts import Starts, starts_of
-from vibralign.device.base import MATERIALS, damping_ratio_of, hertz_stiffness
+from model.sweeps.starts import Starts, starts_of, tilts_and_phases
+from vibralign.device.base import MATERIALS, damping_ratio_of, hertz_stiffness, mass_at_edge
+from vibralign.device.mouth import GRIPPER_TILT, middle_of_face, start_of
 from vibralign.device.stated import StatedDevice
 
 SOFTEST = 100.0  # contact stiffness over axial stiffness
 LEVELS = 4  # stiffnesses, the logarithms equidistant
 RESTITUTIONS = (0.3, 0.8)  # tried where no impact is stated
+USUAL_TILT = math.radians(0.1)  # of a gripper, either way, tried where none is stated
 OF_BASE = ("level", "restitution")
 """Names of a case besides those of its start: the base's stiffness, 0 to 1 on its logarithmic
 range, and its restitution. NaN for a stiffness or a damping that is the device's own."""
@@ -33,13 +34,40 @@ _EVERY = 4  # of the starts, tried on each base
 _STEEL = MATERIALS["steel"]
 
 
+def tilts_of(device: StatedDevice) -> list[float]:
+    """Return the tilts of the gripper that are tried, in rad: its own, and what may be left."""
+    own = device.quantities.get(GRIPPER_TILT, 0.0)
+    tolerance = device.tolerances.get(GRIPPER_TILT)
+    if tolerance is not None:
+        left = tolerance.end(own)
+    else:
+        left = 0.0 if GRIPPER_TILT in device.quantities else USUAL_TILT
+    return [own, own - left, own + left] if left else [own]
+
+
+def _starts_of(device: StatedDevice, ensemble: Ensemble, *, tilts: bool) -> Starts:
+    """Return the starts of a device: each phase, at each tilt of the gripper unless these vary."""
+    _, phases = tilts_and_phases(device.parameters, ensemble)
+    tried = tilts_of(device)
+    if not tilts or len(tried) == 1:
+        return [{"phase": phase} for phase in phases]
+    return [{"phase": each, GRIPPER_TILT: tilt} for tilt in tried for each in phases]
+
+
 def cases_of(
-    device: Parameters | StatedDevice, ensemble: Ensemble, *, bases: bool = False
+    device: Parameters | StatedDevice,
+    ensemble: Ensemble,
+    *,
+    bases: bool = False,
+    varied: Collection[str] = (),
 ) -> Starts:
-    """Return the cases of a device: its starts, on the bases too if none is stated or ``bases``."""
+    """Return the cases of a device: its starts, on the bases too if none is stated or ``bases``.
+
+    If the gripper's tilt is among the quantities that are ``varied``, the cases have none.
+    """
     if isinstance(device, Parameters):
         return starts_of(device, ensemble)
-    starts = starts_of(device.parameters, ensemble)
+    starts = _starts_of(device, ensemble, tilts=GRIPPER_TILT not in varied)
     if device.base_is_stated and not bases:
         return starts
     impacts: Sequence[float] = RESTITUTIONS
@@ -75,12 +103,22 @@ def on_bases(
     found = softest * (stiffest / softest) ** level
     stiffness = np.where(np.isnan(level), given["contact_stiffness"], found)
     ratio = np.array([math.nan if math.isnan(e) else damping_ratio_of(e) for e in restitution])
-    hole = given["half_width"] * (1.0 + given["clearance"])
-    arm = lever_if_flat(given["half_width"], hole, given["misalignment"], shape)
-    mass = 1.0 / (1.0 + arm * arm / given["inertia"])
-    damping = 2.0 * ratio * np.sqrt(stiffness * mass)
+    damping = 2.0 * ratio * np.sqrt(stiffness * mass_at_edge(given, shape))
     damping = np.where(np.isnan(ratio), given["contact_damping"], damping)
     return {"contact_stiffness": stiffness, "contact_damping": damping}
+
+
+def at_tilts(devices: Batch, cases: Starts) -> dict[str, NDArray[np.float64]]:
+    """Return what the gripper's tilts of the cases change, shape (devices, cases); dimensionless.
+
+    The misalignment at the mouth stays. Empty if the cases have no tilts.
+    """
+    if GRIPPER_TILT not in cases[0]:
+        return {}
+    given = {name: column[:, None] for name, column in devices.values.items()}
+    tilts = np.array([case[GRIPPER_TILT] for case in cases])
+    tilts = np.broadcast_to(tilts, (len(devices), len(cases)))
+    return start_of(middle_of_face(given), given["half_height"], tilts)
 
 
 def stated_case(device: Parameters | StatedDevice, case: Mapping[str, float]) -> dict[str, float]:

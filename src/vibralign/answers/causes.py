@@ -11,7 +11,7 @@ from model.physics.contacts import support_on_face
 from model.physics.notation import RIGHT_EDGE, State
 from model.physics.parameters import Shape, constants_of
 from model.runs.simulate import Trajectory
-from vibralign.answers.leeways import Nearest
+from vibralign.answers.leeways import Nearest, steps_between
 
 _STICKS = 0.99  # share of the time
 _SOFTER = (("tilt_stiffness", -1), ("friction", -1), ("amplitude", 1), ("press_force", 1))
@@ -57,6 +57,9 @@ def cause_of(run: Trajectory, shape: Shape) -> Cause:
         if run.outcome == Outcome.SETTLED:
             return Cause(f"the vibration moves it no further: {come}; {words}", _SOFTER)
         return Cause(f"too slow: at the horizon {come}; {words}", _SOFTER)
+    if run.reason == Reason.ON_FLANK:
+        words = f"the answer is not known: {why}; tilted by up to {tilt}"
+        return Cause(words, (("tilt_stiffness", 1), ("press_force", -1)))
     if run.reason == Reason.MOVED_AWAY:
         words = f"it is pressed too little or topples: {why}, tilted by up to {tilt}"
         return Cause(words, (("press_force", 1), ("tilt_stiffness", 1), ("press_force", -1)))
@@ -129,5 +132,10 @@ def first_change(cause: Cause, nearest: Sequence[Nearest]) -> Mapping[str, float
             if end is not None:
                 return {name: end}
     ends = [(each, end) for each in nearest for end in (each.below, each.above) if end is not None]
-    least = min(ends, key=lambda pair: abs(math.log(pair[1] / pair[0].value)), default=None)
+    least = min(ends, key=_steps, default=None)
     return {} if least is None else {least[0].parameter: least[1]}
+
+
+def _steps(change: tuple[Nearest, float]) -> float:
+    """Return the size of a change, in steps of a scan."""
+    return abs(steps_between(change[0].parameter, change[0].value, change[1]))

@@ -236,7 +236,8 @@ def trials_of(
     stated = device_of(device)
     if not isinstance(stated, StatedDevice):
         raise TypeError("a design needs a device of a file, with free quantities, got Parameters")
-    stated, cases = with_tolerances(stated), cases_of(stated, ensemble or Ensemble())
+    stated = with_tolerances(stated)
+    cases = cases_of(stated, ensemble or Ensemble(), varied=(*stated.free, *stated.tolerances))
     settings = settings or Settings(scene=INSERTION)
     return Trials(stated, cases, settings, cores, seed, check_devices(devices))
 

@@ -16,7 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
-from model.physics.parameters import FIELDS
 from model.physics.tables import Value
 from model.runs.settings import Settings
 from model.sweeps.starts import Starts
@@ -32,6 +31,7 @@ from vibralign.answers.yields import DEVICES, drawn, nearest_failing
 from vibralign.device import StatedDevice
 from vibralign.device.amounts import SIGMAS
 from vibralign.device.batches import Values
+from vibralign.device.stated import bound_of
 
 POINTS = 16  # devices drawn within the tolerances of a setting, a power of two
 QUARTERS = 4  # the quick trial takes one start of every four
@@ -252,7 +252,7 @@ class Trials:
         for i, (name, tolerance) in enumerate(self.stated.tolerances.items()):
             own = values[name]
             width = np.array([tolerance.end(value) for value in own.tolist()])
-            positive = name not in FIELDS or FIELDS[name].bound or name == "press_force"
+            positive = bound_of(name) or name == "press_force"
             least = 1e-3 * own if positive else -np.inf
             values[name] = np.maximum(own + width * offsets[:, i], least)
         _keep_on_edge(self.stated, values)

@@ -12,12 +12,28 @@ from vibralign.answers.si import in_words, si_words
 def forces_words(
     forces: Mapping[str, float], units: Units | None, settings: Settings, *, in_si: bool = False
 ) -> str:
-    """Return the largest force at each place; dimensionless ones, or ``in_si`` those in N."""
-    words = (
-        f"{place} {si_words(each, FORCE) if in_si else in_words(each, FORCE, units)}"
-        for place, each in forces.items()
-    )
-    return f"{', '.join(words)}, {until(settings)}"
+    """Return the largest force at each place; dimensionless ones, or ``in_si`` those in N.
+
+    The edge is a round part's two tips together; the force at each of them stands beside.
+    """
+
+    def words(force: float) -> str:
+        return si_words(force, FORCE) if in_si else in_words(force, FORCE, units)
+
+    places = {place: f"{place} {words(each)}" for place, each in forces.items()}
+    if settings.shape == "round":
+        places["edge"] += f" ({words(tip_force(forces['edge']))} at each tip)"
+    return f"{', '.join(places.values())}, {until(settings)}"
+
+
+def tip_force(edge_force: float) -> float:
+    """Return the largest force at one of two tips, which carry a round part's edge force."""
+    return 0.5 * edge_force
+
+
+def tip_record(edge_force: float, settings: Settings) -> dict[str, float]:
+    """Return the largest force at one tip of a round part, for --json; empty for a square one."""
+    return {"tip_force_max": tip_force(edge_force)} if settings.shape == "round" else {}
 
 
 def until(settings: Settings) -> str:

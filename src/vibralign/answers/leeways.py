@@ -1,8 +1,9 @@
 """Leeways of a device: ranges in which it stays reliable, one parameter at a time.
 
 Each parameter is scanned from its value, downwards and upwards, in steps of one ratio, all in one
-batch. Two more batches divide the step in which the verdict changes, and then such a part, so that
-the end of the range is known to ``FINEST``. Values are tried with the digits that are printed.
+batch; the gripper's tilt, whose value may be 0, in steps that add. Two more batches divide the step
+in which the verdict changes, and then such a part, so that the end of the range is known to
+``FINEST``. Values are tried with the digits that are printed.
 
 The border of a part that hops is *ragged*: values that fail lie among values that hold, down to
 slivers of 0.01 %. So ``UNBROKEN`` values ``FINEST`` apart are tried inwards from an end, ``BEYOND``
@@ -25,6 +26,7 @@ import numpy as np
 from model.physics.parameters import Parameters
 from model.physics.units import UNITS
 from vibralign.device import StatedDevice
+from vibralign.device.mouth import GRIPPER_TILT
 
 VARIED = (
     "press_force", "frequency", "tilt_stiffness", "lateral_stiffness", "inertia", "friction",
@@ -32,10 +34,12 @@ VARIED = (
     "contact_stiffness", "contact_damping",
 )  # fmt: skip
 STEP = 2.0 ** (1.0 / 12.0)  # ratio of neighbouring values, 6 %
+ADDED: Mapping[str, float] = {GRIPPER_TILT: math.radians(0.1)}  # steps of values that add
 STEPS = 24  # steps of a scan: from a quarter to four times the value
 PARTS = 4, 5  # of the step in which the verdict changes; then of such a part
 DIGITS = 4  # of the values
 FINEST = STEP ** (1.0 / math.prod(PARTS)) * (1.0 + 10.0 ** (1 - DIGITS)) - 1.0  # 0.4 %
+_FINEST_STEP = math.log(1.0 + FINEST) / math.log(STEP)  # in steps
 UNBROKEN, BEYOND, ACROSS = 8, 3, 24  # values inwards from an end, outwards, and to the own value
 PAIRED = 13  # values of each of two parameters that are changed together
 
@@ -117,6 +121,20 @@ class _End(NamedTuple):
     ragged: bool = False
 
 
+def moved(name: str, value: float, steps: float) -> float:
+    """Return a value some steps of a scan away, outwards from 0 for steps of a ratio > 0."""
+    if name in ADDED:
+        return value + steps * ADDED[name]
+    return value * STEP**steps
+
+
+def steps_between(name: str, value: float, other: float) -> float:
+    """Return how many steps of a scan lie between two values, as ``moved`` counts them."""
+    if name in ADDED:
+        return (other - value) / ADDED[name]
+    return math.log(other / value) / math.log(STEP)
+
+
 def leeways(
     device: Stated,
     is_reliable: IsReliable,
@@ -162,8 +180,8 @@ def together(device: Stated, is_reliable: IsReliable, names: Names) -> dict[str,
     """
     own = _own(device)
     values = {
-        name: [own[name], *(v for ratio in (1.0 / STEP**4, STEP**4)
-                            for v in _values(device, name, own[name], ratio, PAIRED // 2)[1:])]
+        name: [own[name], *(v for step in (-4.0, 4.0)
+                            for v in _values(device, name, own[name], step, PAIRED // 2)[1:])]
         for name in dict.fromkeys(names) if own.get(name, 0.0) != 0.0
     }  # fmt: skip
     tried = [
@@ -178,7 +196,7 @@ def together(device: Stated, is_reliable: IsReliable, names: Names) -> dict[str,
     good = [each for each, found in zip(tried, is_reliable(swept).tolist(), strict=True) if found]
 
     def change(each: Mapping[str, float]) -> float:
-        return sum(math.log(value / own[name]) ** 2 for name, value in each.items())
+        return sum(steps_between(name, own[name], value) ** 2 for name, value in each.items())
 
     return min(good, key=change, default={})
 
@@ -193,8 +211,8 @@ def a_step_inside(
     if len(change) != 1:
         return change
     [(name, border)] = change.items()
-    ratio = STEP if abs(border) > abs(_own(device)[name]) else 1.0 / STEP
-    inside = _values(device, name, border, ratio, 1)[1:]
+    way = math.copysign(1.0, steps_between(name, _own(device)[name], border))
+    inside = _values(device, name, border, way, 1)[1:]
     if inside and is_reliable({name: np.array(inside)}).all():
         return {name: inside[0]}
     return change
@@ -205,10 +223,10 @@ def _ends(
 ) -> list[_End]:
     """Return the end of the scan of each value that is not 0, downwards and upwards in turn."""
     own = _own(device, held)
-    names = [name for name, value in own.items() if value != 0.0 for _ in range(2)]
+    names = [n for n, value in own.items() if value != 0.0 or n in ADDED for _ in range(2)]
     scans = [
-        _values(device, name, own[name], ratio)
-        for name, ratio in zip(names, itertools.cycle((1.0 / STEP, STEP)), strict=False)
+        _values(device, name, own[name], step)
+        for name, step in zip(names, itertools.cycle((-1.0, 1.0)), strict=False)
     ]
     judged: dict[tuple[str, float], bool] = {}  # by ``are_alike``
     known = _leading(own, names, scans, roughly or are_alike, {} if roughly else judged)
@@ -225,7 +243,9 @@ def _ends(
     for count in PARTS:
         open_ones = [i for i, (values, n) in enumerate(zip(scans, known, strict=True))
                      if n < len(values)]  # fmt: skip
-        parts = [_divided(scans[i][known[i] - 1], scans[i][known[i]], count) for i in open_ones]
+        parts = [
+            _divided(names[i], scans[i][known[i] - 1], scans[i][known[i]], count) for i in open_ones
+        ]
         finer = _leading(own, [names[i] for i in open_ones], parts, are_alike, judged)
         for i, between, n in zip(open_ones, parts, finer, strict=True):
             scans[i], known[i] = [*between, scans[i][known[i]]], n
@@ -235,9 +255,10 @@ def _ends(
     ]
 
 
-def _divided(start: float, stop: float, count: int) -> list[float]:
+def _divided(name: str, start: float, stop: float, count: int) -> list[float]:
     """Return the first of two values, and the values that divide their interval."""
-    return [start, *map(_printed, np.geomspace(start, stop, count + 1)[1:-1].tolist())]
+    between = np.linspace if name in ADDED else np.geomspace
+    return [start, *map(_printed, between(start, stop, count + 1)[1:-1].tolist())]
 
 
 def _unbroken(device: Stated, is_reliable: IsReliable, ends: Sequence[_End]) -> list[_End]:
@@ -264,21 +285,24 @@ def _unbroken(device: Stated, is_reliable: IsReliable, ends: Sequence[_End]) -> 
 def _inwards(device: Stated, end: _End) -> list[float]:
     """Return the values to try inwards from an end, it first, and the next one."""
     assert end.other is not None  # noqa: S101 - the caller's
-    grows = abs(end.other) > abs(end.value)
-    ratio = 1.0 / (1.0 + FINEST) if grows else 1.0 + FINEST
-    row = _values(device, end.parameter, end.alike, ratio, UNBROKEN)
-    row = [each for each in row if (abs(each) > abs(end.value)) == grows and each != end.value]
+    name, outwards = end.parameter, _way(end)
+    row = _values(device, name, end.alike, -outwards * _FINEST_STEP, UNBROKEN)
+    row = [each for each in row if steps_between(name, end.value, each) * outwards > 0.0]
     if len(row) <= UNBROKEN:
         return [*row, end.value]
-    across = np.geomspace(row[-1], end.value, ACROSS + 1).tolist() if end.ragged else []
-    return [*dict.fromkeys([*row, *map(_printed, across[1:-1])]), *across[-1:]]
+    across = _divided(name, row[-1], end.value, ACROSS)[1:] if end.ragged else []
+    return [*dict.fromkeys([*row, *across]), *([end.value] if end.ragged else [])]
+
+
+def _way(end: _End) -> float:
+    """Return 1.0 if an end lies above its value in steps of a scan, else -1.0."""
+    assert end.other is not None  # noqa: S101 - the caller's
+    return math.copysign(1.0, steps_between(end.parameter, end.value, end.other))
 
 
 def _beyond(device: Stated, end: _End) -> list[float]:
     """Return ``BEYOND`` values outwards from an end, without it."""
-    assert end.other is not None  # noqa: S101 - the caller's
-    ratio = 1.0 + FINEST if abs(end.other) > abs(end.value) else 1.0 / (1.0 + FINEST)
-    return _values(device, end.parameter, end.alike, ratio, BEYOND)[1:]
+    return _values(device, end.parameter, end.alike, _way(end) * _FINEST_STEP, BEYOND)[1:]
 
 
 def _printed(value: float) -> float:
@@ -320,16 +344,16 @@ def _own(device: Stated, held: Names = ()) -> dict[str, float]:
     if isinstance(device, Parameters):
         return {name: getattr(device, name) for name in VARIED if name not in held}
     values = device.values
-    return {name: values[name] for name in (*UNITS, *VARIED) if name not in held}
+    return {name: values[name] for name in (*UNITS, *VARIED, *ADDED) if name not in held}
 
 
 def _values(
-    device: Stated, name: str, own: float, ratio: float, steps: int | None = None
+    device: Stated, name: str, own: float, step: float, steps: int | None = None
 ) -> list[float]:
     """Return the parameter's own value and the values of a scan that its rule admits."""
     values = [own]
-    for step in range(1, (steps or STEPS) + 1):
-        value = _printed(own * ratio**step)
+    for number in range(1, (steps or STEPS) + 1):
+        value = _printed(moved(name, own, number * step))
         try:
             if isinstance(device, Parameters):
                 device.replace(**{name: value})

@@ -21,8 +21,9 @@ def lever_words(parameters: Parameters, settings: Settings, units: Units | None)
     own, of_other = (in_words(press_lever(each), LENGTH, units) for each in (p, changed))
     lines = [f"{'lever':<16}{own} about {_PLACES[shape]}; if it were {other}, {of_other}"]
     if shape == "round":
-        farthest = in_words(farthest_tilted(p), LENGTH, units)
-        stated = in_words(parameters.misalignment, LENGTH, units)
+        down = _down(parameters, units)
+        farthest = in_words(farthest_tilted(p) + down, LENGTH, units)
+        stated = in_words(parameters.misalignment + down, LENGTH, units)
         words = f"from misalignments below {farthest} (stated {stated}); beyond, it stands flat"
         lines.append(f"{'tilts':<16}{words}")
         doubt = lever_doubt(p)
@@ -30,6 +31,11 @@ def lever_words(parameters: Parameters, settings: Settings, units: Units | None)
             words = f"if the rims yield, the lever is up to {100.0 * doubt:.2g} % longer"
             lines.append(f"{'soft base':<16}{words}")
     return lines
+
+
+def _down(parameters: Parameters, units: Units | None) -> float:
+    """Return by how much a misalignment is larger than x(0): a device in SI has it at the mouth."""
+    return parameters.half_height * math.sin(parameters.initial_tilt) if units else 0.0
 
 
 def wall_words(
@@ -55,6 +61,6 @@ def lever_record(
         "shape": shape,
         "lever": press_lever(p) * one,
         f"lever_if_{other}": press_lever(constants_of(parameters, other)) * one,
-        "farthest_tilted": farthest_tilted(p) * one,
+        "farthest_tilted": (farthest_tilted(p) + _down(parameters, units)) * one,
         "lever_doubt": lever_doubt(p) if shape == "round" else 0.0,
     }

@@ -9,16 +9,16 @@ from numpy.typing import NDArray
 from pydantic import AfterValidator
 
 from model.engine.results import RESULTS, UNVIBRATED_CONTROL
-from model.physics.parameters import FIELDS, Batch, Parameters, check_name
-from model.physics.quantities import ANGLE, LENGTH, PLAIN
-from model.physics.units import UNITS
+from model.events.scenes import ALIGNMENT
+from model.physics.parameters import Batch, Parameters
+from model.physics.quantities import ANGLE, PLAIN
 from model.sweeps.axes import Axis, check_plane
 from model.sweeps.settings import Ensemble, RunSettings
-from model.sweeps.sweep import Group, Sweep
-from vibralign.device.base import BASE, CENTRE, CENTRE_WORDS
+from model.sweeps.sweep import Columns, Group, Sweep
+from vibralign.answers.cases import cases_of
 from vibralign.device.batches import by_settings, devices_of, rows_of
-from vibralign.device.holder import RATIOS
-from vibralign.device.stated import QUANTITIES, StatedDevice
+from vibralign.device.mouth import GRIPPER_TILT, judged
+from vibralign.device.stated import StatedDevice, check_quantity, quantity_of
 
 _VARIABLES = (
     "outcome", "reason", "tau_align", "tau_error", "sensitive", "contact_force_max",
@@ -28,7 +28,7 @@ _SPACES = 16  # least spaces between nodes with all starts along a side, if the 
 
 
 def _quantity_name(name: str) -> str:
-    check_name(name, QUANTITIES, "quantity of a device")
+    check_quantity(name)
     return name
 
 
@@ -48,13 +48,23 @@ class DeviceMap(Sweep):
 
     device: StatedDevice
 
+    def start_values(self, ensemble: Ensemble) -> dict[str, list[float]]:
+        """Return the tilts of the gripper, unless they are an axis, and the phases."""
+        cases = cases_of(self.device, ensemble, varied=self.swept)
+        names = [name for name in (GRIPPER_TILT, "phase") if name in cases[0]]
+        return {name: list(dict.fromkeys(each[name] for each in cases)) for name in names}
+
+    def judged(self, results: Columns, batch: Batch) -> Columns:
+        """Return the results of runs, with those of parts that start inside the hole."""
+        return judged(results, batch.values, chamfered=self.device.is_chamfered)
+
     def groups(self, points: NDArray[np.int64]) -> Iterator[Group]:
         """Yield the devices at points by the settings of their runs.
 
         A horizon or depth in SI units differs between devices of different units.
         """
         values = self.values(points)
-        axes = dict(itertools.islice(values.items(), 2))
+        axes = {name: each for name, each in values.items() if name != "phase"}
         nodes, which = np.unique(np.stack([*axes.values()]), axis=1, return_inverse=True)
         batch, units = devices_of(self.device, dict(zip(axes, nodes, strict=True)))
         for own, rows in by_settings(self.device, self.settings.settings, units).items():
@@ -93,16 +103,10 @@ def corners_of(axes: Mapping[str, Sequence[float]]) -> list[dict[str, float]]:
 
 def quantity_attributes(name: str) -> dict[str, Any]:
     """Return the attributes of the coordinate of a device's quantity, in SI units."""
-    if name in RATIOS:
-        return {"long_name": f"damping ratio, in place of {RATIOS[name]}", "units": "1"}
-    if name == CENTRE:
-        return {"long_name": CENTRE_WORDS, "units": LENGTH.unit}
-    if name in BASE:
-        return {"long_name": BASE[name][0], "units": BASE[name][1]}
-    field = (FIELDS | UNITS)[name]  # type: ignore[operator]
-    attributes = {"long_name": field.description, "symbol": field.symbol}
-    is_angle = field.quantity is ANGLE  # CF's word differs from the SI symbol
-    return attributes | {"units": "radian" if is_angle else field.quantity.unit}
+    words, quantity, symbol = quantity_of(name)
+    is_angle = quantity is ANGLE  # CF's word differs from the SI symbol
+    attributes = {"long_name": words, "units": "radian" if is_angle else quantity.unit}
+    return attributes | ({"symbol": symbol} if symbol else {})
 
 
 def map_of(
@@ -125,6 +129,8 @@ def map_of(
     check_plane(stated.at if stated else lambda values: parameters.replace(**values), x, y)
     every = max(min(ensemble.every, (min(x.count, y.count) - 1) // _SPACES), 1)
     own = {x.parameter, y.parameter} & {"phase", "initial_tilt"}
+    if stated is not None and stated.is_chamfered:
+        settings = settings.model_copy(update={"scene": ALIGNMENT.name})
     given: dict[str, Any] = {
         "name": "map",
         "kind": "map",

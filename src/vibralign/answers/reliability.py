@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from model.events.insertion import INSERTION
-from model.events.outcomes import Outcome, Unvibrated
+from model.events.outcomes import SUCCESSES, Outcome, Unvibrated
 from model.events.table import PLACES_OF_CONTACT
 from model.physics.parameters import PARAMETER_NAMES, Parameters, check_name
 from model.physics.tables import Value
@@ -23,12 +23,13 @@ from model.runs.settings import Settings
 from model.runs.unvibrated import unvibrated
 from model.sweeps.settings import Ensemble
 from model.sweeps.starts import Starts, every_start
-from vibralign.answers.cases import cases_of, on_bases
+from vibralign.answers.cases import at_tilts, cases_of, on_bases
 from vibralign.device import StatedDevice
 from vibralign.device.amounts import read_amount
 from vibralign.device.batches import Values, by_settings, devices_of, rows_of
+from vibralign.device.mouth import judged
 from vibralign.device.runs import AnyDevice, devices_in
-from vibralign.device.stated import QUANTITIES, unit_of
+from vibralign.device.stated import check_quantity, unit_of
 
 Floats = NDArray[np.float64]
 STATISTICAL_TOLERANCE = 1e-6  # local error of a step; yields are the same as at 1e-10
@@ -101,14 +102,17 @@ def from_every_start(
     devices, units = devices_of(device, values)
     if isinstance(device, Parameters):
         return every_start(devices, starts, settings, cores), units
-    bases, results = on_bases(devices, units, starts, device.shape), dict[str, NDArray[Any]]()
+    of_cases = on_bases(devices, units, starts, device.shape) | at_tilts(devices, starts)
+    results = dict[str, NDArray[Any]]()
     for own, rows in by_settings(device, settings, units).items():
-        others = {name: column[rows] for name, column in bases.items()}
+        others = {name: column[rows] for name, column in of_cases.items()}
         found = every_start(rows_of(devices, rows), starts, own, cores, others)
         for name, column in found.items():
             whole = results.setdefault(name, np.empty((len(devices), len(starts)), column.dtype))
             whole[rows] = column
-    return results, units
+    parameters = {name: column[:, None] for name, column in devices.values.items()} | of_cases
+    results = judged(results, parameters, chamfered=device.is_chamfered)
+    return {**results, "goes_in": np.isin(results["outcome"], SUCCESSES)}, units
 
 
 def run_devices(
@@ -116,10 +120,10 @@ def run_devices(
 ) -> DeviceResults:
     """Run devices with these quantities (SI units, each of shape (n,)) from every start."""
     results, units = from_every_start(stated, values, starts, settings, cores)
-    goes_in, inside = results["goes_in"], (results["tau_align"] == 0.0).any(axis=1)
+    goes_in, at_once = results["goes_in"], results["tau_align"] == 0.0
     second = np.array([each.time for each in units])
     newton = np.array([each.force for each in units])
-    counted = goes_in & ~inside[:, None]
+    counted = goes_in & ~at_once
     times = np.where(counted, results["tau_align"], np.nan) * second[:, None]
     inserted = np.where(counted, results["tau_align"] + results["tau_inserted"], np.nan)
     return DeviceResults(
@@ -131,7 +135,7 @@ def run_devices(
         tilt=np.fmax.reduce(results["tilt_max"], axis=1),
         failing=np.where(goes_in.all(axis=1), -1, np.argmin(goes_in, axis=1)),
         forces={n: newton * np.fmax.reduce(results[r], axis=1) for n, r in FORCES.items()},
-        inside=inside,
+        inside=np.logical_and.reduce(at_once, axis=1),
         insertion=np.fmax.reduce(inserted, axis=1) * second,
     )
 
@@ -214,7 +218,10 @@ def reliable_at(
     (device,) = devices
     stated = isinstance(device, StatedDevice)
     for name in quantities:
-        check_name(name, QUANTITIES if stated else PARAMETER_NAMES, "quantity of a device")
+        if stated:
+            check_quantity(name)
+        else:
+            check_name(name, PARAMETER_NAMES, "quantity of a device")
     units = {name: unit_of(name) if stated else "1" for name in quantities}
     values = {
         name: np.array([read_amount(name, v, units[name]).value for v in np.ravel(given).tolist()])
@@ -226,4 +233,5 @@ def reliable_at(
     parameters = device.parameters if isinstance(device, StatedDevice) else device
     values = values or {"friction": np.array([parameters.friction])}
     settings = settings or Settings(scene=INSERTION)
-    return are_reliable(device, values, cases_of(device, Ensemble()), settings, cores)
+    cases = cases_of(device, Ensemble(), varied=values)
+    return are_reliable(device, values, cases, settings, cores)

@@ -18,10 +18,9 @@ from model.physics.quantities import (
     TIME,
     Quantity,
 )
-from model.physics.units import UNITS, Units
-from vibralign.device.base import BASE, CENTRE
-from vibralign.device.holder import RATIOS, natural_frequencies
-from vibralign.device.stated import unit_of
+from model.physics.units import Units
+from vibralign.device import stated
+from vibralign.device.holder import natural_frequencies
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -36,9 +35,7 @@ DIGITS = 4
 
 def quantity_of(name: str) -> Quantity:
     """Return the quantity of a number of a device."""
-    if name in {*BASE, *RATIOS, CENTRE}:
-        return LENGTH if unit_of(name) == LENGTH.unit else PLAIN
-    return (FIELDS | UNITS)[name].quantity  # type: ignore[operator]
+    return FIELDS[name].quantity if name in FIELDS else stated.quantity_of(name)[1]
 
 
 def scale(units: Units | None, quantity: Quantity) -> float:
@@ -72,7 +69,9 @@ def si_words(value: float, quantity: Quantity) -> str:
         return "none"
     unit, one = display(value, quantity)
     text = f"{value / one:.{DIGITS}g}" + (f" {unit}" if unit else "")
-    return f"{text} ({math.degrees(value):.1f}°)" if quantity == ANGLE else text
+    degrees = math.degrees(value)
+    places = 1 if abs(degrees) >= 1.0 else 2
+    return f"{text} ({degrees:.{places}f}°)" if quantity == ANGLE else text
 
 
 def named_words(values: Mapping[str, float]) -> str:

@@ -18,7 +18,6 @@ import numpy as np
 import scipy
 
 from model.events.insertion import INSERTION
-from model.physics.parameters import FIELDS
 from model.physics.tables import Value
 from model.runs.settings import Settings
 from model.sweeps.settings import Ensemble
@@ -26,6 +25,7 @@ from model.sweeps.starts import Starts
 from vibralign.answers.cases import cases_of, stated_case
 from vibralign.answers.reliability import DeviceResults, Floats, need_vibration, run_devices
 from vibralign.device import StatedDevice, Tolerance, load_device
+from vibralign.device.stated import bound_of
 
 CONFIDENCE = 0.95
 QUANTILES = (0.05, 0.5, 0.95)
@@ -113,8 +113,7 @@ class FailingDevice:
 
 def distribution(name: str, value: float, tolerance: Tolerance) -> Any:
     """Return the scipy distribution of a quantity in SI units, cut off at its admissible values."""
-    bound = FIELDS[name].bound if name in FIELDS else "> 0"
-    least = {"> 0": 1e-6 * abs(value), ">= 0": 0.0, "": -math.inf}[bound]
+    least = {"> 0": 1e-6 * abs(value), ">= 0": 0.0, "": -math.inf}[bound_of(name)]
     most = 1.0 if name == "restitution" else math.inf
     width = tolerance.around(value)
     if tolerance.kind == "uniform":
@@ -170,7 +169,7 @@ def yield_of(
     """
     if not isinstance(stated, StatedDevice):
         stated = load_device(stated)
-    starts = starts or cases_of(stated, Ensemble())
+    starts = starts or cases_of(stated, Ensemble(), varied=stated.tolerances)
     settings = settings or Settings(scene=INSERTION)
     if not stated.tolerances:
         raise ValueError(f"{stated.source}: no quantity has a tolerance, such as 10 N ± 5 %")

@@ -12,19 +12,20 @@ from pathlib import Path
 from typing import Any, get_args
 
 from model.compile.cache import cache_folder
+from model.events.insertion import INSERTION
 from model.physics.parameters import FIELDS, PARAMETER_NAMES, Parameters, Shape, check_name
 from model.physics.quantities import LENGTH, TIME
 from model.physics.rest import Start
-from model.physics.units import UNITS, Units
+from model.physics.units import Units
 from model.physics.variants import VARIANT_NAMES, Variant, Variants
 from model.runs.settings import SCENES, Settings
 from vibralign.commands.tables import in_columns
 from vibralign.device import StatedDevice, load_device
 from vibralign.device.amounts import read_amount
-from vibralign.device.base import BASE, CENTRE, CENTRE_WORDS
-from vibralign.device.holder import RATIOS
+from vibralign.device.mouth import MOUTH
 from vibralign.device.paper import baseline
 from vibralign.device.spelling import plain
+from vibralign.device.stated import FOLLOWED, QUANTITIES, quantity_of, unit_of
 
 
 def add_model_options(
@@ -60,7 +61,8 @@ def add_model_options(
     add("--shape", choices=get_args(Shape), help=words)
     words = "end of a run: alignment, or insertion, jamming or climbing out after it "
     words += f"(default: {scene})"
-    add("--scene", choices=list(SCENES), default=scene, help=words)
+    add("--scene", choices=list(SCENES), help=words)
+    parser.set_defaults(usual_scene=scene)
     words = "depth at which a part counts as inserted, in metres with --device; needs --scene "
     words += "insertion (default: half of what the press reaches, and at most the half-width)"
     add("--insertion-depth", metavar="DEPTH", help=words)
@@ -114,6 +116,11 @@ class Inputs:
     parameters: Parameters  # of the device, dimensionless
     settings: Settings  # of its runs
 
+    @property
+    def values(self) -> dict[str, float | None]:
+        """Quantities of the device in SI units, or its parameters."""
+        return self.parameters.given() if self.stated is None else {**self.stated.values}
+
 
 def read_inputs(arguments: argparse.Namespace) -> Inputs:
     """Return the device and the settings of a command, and warn of doubtful values.
@@ -124,6 +131,9 @@ def read_inputs(arguments: argparse.Namespace) -> Inputs:
     settings = _settings(arguments, stated)
     if stated is None:
         return Inputs(None, None, _changed(baseline(), arguments.changes), settings)
+    if stated.is_chamfered and arguments.scene == INSERTION.name:
+        words = f"{arguments.device} states a chamfer: {FOLLOWED}"
+        raise ValueError(f"--scene {arguments.scene}: {words}")
     settings = stated.run_settings(settings, stated.units)
     return Inputs(stated, stated.units, stated.parameters, settings)
 
@@ -175,7 +185,7 @@ def _settings(arguments: argparse.Namespace, stated: StatedDevice | None) -> Set
         tolerance = number("tolerance", arguments.tolerance)
     return Settings(
         readings=Variants(**switches),
-        scene=SCENES[arguments.scene],
+        scene=SCENES[arguments.scene or arguments.usual_scene],
         shape=arguments.shape,
         start=arguments.start or (stated and stated.start) or "simultaneous",
         insertion_depth=depth,
@@ -194,9 +204,7 @@ def parameter_table(device: Parameters) -> str:
         words = field.description + (f"; {rule}" if rule else "")
         rows.append((name, field.symbol, default, field.quantity.unit, words))
     lines = ["parameters that --set takes, each a finite number:", *in_columns(rows)]
-    units = [(name, each.quantity.unit, each.description) for name, each in UNITS.items()]
-    units += [(name, unit, words) for name, (words, unit) in BASE.items()]
-    units += [(name, "1", f"damping ratio, in place of {each}") for name, each in RATIOS.items()]
-    units.append((CENTRE, LENGTH.unit, CENTRE_WORDS))
-    lines += ["what a file for --device states besides:", *in_columns(units)]
+    others = [name for name in QUANTITIES if name not in FIELDS or name in MOUTH]
+    units = [(name, unit_of(name), quantity_of(name)[0]) for name in others]
+    lines += ["what a file for --device states besides, or otherwise:", *in_columns(units)]
     return "\n".join(lines) + "\n"

@@ -15,7 +15,7 @@ from model.physics.units import Units
 from model.runs.unvibrated import unvibrated_words
 from vibralign.answers import si
 from vibralign.answers.assumptions import assumptions, lines_of, source_words
-from vibralign.answers.forces import forces_words
+from vibralign.answers.forces import forces_words, tip_record
 from vibralign.answers.lever import lever_record, lever_words, wall_words
 from vibralign.commands.arguments import (
     add_model_options,
@@ -31,11 +31,12 @@ from vibralign.commands.simulate import unvibrated_record
 from vibralign.commands.tables import in_columns, print_json
 from vibralign.commands.tables import report_line as _line
 from vibralign.commands.yields import yield_record, yield_report, yield_words
+from vibralign.device.plausibility import NoNeedError
 
 if TYPE_CHECKING:
     from model.runs.settings import Settings
     from model.sweeps.starts import Starts
-    from vibralign.answers.assess import Assessment, BaseVerdict
+    from vibralign.answers.assess import Assessment, BaseVerdict, TiltVerdict
     from vibralign.answers.design_trials import Check
     from vibralign.answers.leeways import Leeway, Nearest
     from vibralign.answers.limits import LimitResult
@@ -75,7 +76,10 @@ def add(commands: Any) -> None:
 
 
 def _assess(arguments: argparse.Namespace) -> int:
-    given = read_inputs(arguments)
+    try:
+        given = read_inputs(arguments)
+    except NoNeedError as found:
+        return _without_need(str(found), as_json=arguments.json)
     stated, device, settings = given.stated, given.parameters, given.settings
     required, devices = _required(arguments, stated)
     if arguments.sheet is not None:
@@ -96,7 +100,7 @@ def _assess(arguments: argparse.Namespace) -> int:
         result = assess(stated or device, settings, ensemble, cores, bases=arguments.bases)
         if stated is not None and stated.tolerances:
             line.begin("devices within the tolerances")
-            cases = cases_of(stated, ensemble)
+            cases = cases_of(stated, ensemble, varied=stated.tolerances)
             drawn, nearest = _drawn(result, stated, cases, settings, cores, devices)
     limits = limit_results(stated, result, drawn, settings) if stated is not None else ()
     kept = all(each.exceeding is None for each in limits)
@@ -110,6 +114,7 @@ def _assess(arguments: argparse.Namespace) -> int:
     if arguments.json:
         print_json(
             _record(result, given.units)
+            | tip_record(result.forces.get("edge", 0.0) * si.scale(given.units, FORCE), settings)
             | {"verdict": verdict}
             | unvibrated_record(device, settings)
             | si.natural_record(device, given.units)
@@ -120,7 +125,7 @@ def _assess(arguments: argparse.Namespace) -> int:
         )
         return int(not met)
     units = None if arguments.dimensionless else given.units
-    source = "the study's, dimensionless (no --device)"
+    source = "the paper's, dimensionless (no --device)"
     if stated is not None:
         source = source_words(stated)
     groups = {"Verdict": [*_verdict(result, units, device, settings), *limit_lines(limits)]}
@@ -143,6 +148,15 @@ def _assess(arguments: argparse.Namespace) -> int:
             line.begin("map of the sheet")
             write_sheet(arguments.sheet, stated, (verdict, good), groups, settings)
     return int(not met)
+
+
+def _without_need(words: str, *, as_json: bool) -> int:
+    """Answer for a device whose place at the mouth says that it needs no alignment."""
+    if as_json:
+        print_json({"verdict": words, "needs_alignment": False})
+    else:
+        print(_line("verdict", words))
+    return 0
 
 
 def headline(
@@ -240,11 +254,19 @@ def _verdict(
         head = f"contact stiffness, impact, starts from which it {verb}, alignment time:"
         lines += [head, *in_columns([_base_row(base, units) for base in result.bases])]
         lines.append(_line("stiff bases", _stiff_bases(result, units)))
+    if result.tilts:
+        lines.append(f"gripper's tilt, starts from which it {verb}, alignment time:")
+        lines += in_columns([_tilt_row(each, units) for each in result.tilts])
     lines += [si.natural_words(device, units), unvibrated_words(device, settings)]
     if result.failing_start is not None:
         start = ", ".join(f"{name} = {value:.4g}" for name, value in result.failing_start.items())
         lines += [_line("for example", start), _line("cause", result.cause)]
     return lines
+
+
+def _tilt_row(at: "TiltVerdict", units: Units | None) -> tuple[str, ...]:
+    times = si.range_words(at.tau_best, at.tau_worst, TIME, units) if at.aligned else "-"
+    return si.si_words(at.tilt, ANGLE), f"{at.aligned} of {at.starts}", times
 
 
 def _base_row(base: "BaseVerdict", units: Units | None) -> tuple[str, ...]:
@@ -290,11 +312,15 @@ def _advice(result: "Assessment", value: Callable[[str, float], str]) -> list[st
 
 
 def _varied(result: "Assessment", value: Callable[[str, float], str]) -> list[str]:
-    if not result.leeways:
-        return []
-    lines = ["stays reliable while, one parameter at a time (ends known to 0.4 %),"]
-    lines += in_columns([_leeway_row(each, value) for each in result.leeways])
-    if any(each.ragged_below or each.ragged_above for each in result.leeways):
+    ranges, lines = list(result.leeways), []
+    if result.tilt_range is not None:
+        lines.append("goes in while the gripper holds it with one tilt (ends known to 0.005°),")
+        lines += in_columns([_leeway_row(result.tilt_range, value)])
+        ranges.append(result.tilt_range)
+    if result.leeways:
+        lines.append("stays reliable while, one parameter at a time (ends known to 0.4 %),")
+        lines += in_columns([_leeway_row(each, value) for each in result.leeways])
+    if any(each.ragged_below or each.ragged_above for each in ranges):
         lines.append("  ragged: values that fail lie among values that hold; keep well inside")
     return lines
 
@@ -342,8 +368,9 @@ def _record(result: "Assessment", units: Units | None) -> dict[str, Any]:
         "depends_on_base": result.depends_on_base,
         "rigid_from": result.rigid_from,
     }
+    record["tilts"] = [each._asdict() for each in result.tilts]
     time, stiffness = si.scale(units, TIME), si.scale(units, STIFFNESS)
-    for each in (record, *record["bases"]):
+    for each in (record, *record["bases"], *record["tilts"]):
         for name in ("tau_best", "tau_worst"):
             each[name] = time * each[name] if each["aligned"] else None
     for each in record["bases"]:
@@ -355,4 +382,4 @@ def _record(result: "Assessment", units: Units | None) -> dict[str, Any]:
     record["impact_speed"] = record["impact_speed"] * si.scale(units, SPEED) or None  # never lands
     if record["rigid_from"] is not None:
         record["rigid_from"] *= stiffness
-    return {"units": "1" if units is None else "SI", **record}
+    return {"units": "1" if units is None else "SI", "needs_alignment": True, **record}

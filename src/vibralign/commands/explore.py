@@ -6,6 +6,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from model.events.insertion import INSERTION
+from model.events.scenes import ALIGNMENT
 from model.physics.variants import Variants
 from model.sweeps.files import write_text
 from vibralign.answers.assumptions import assumptions
@@ -52,13 +54,16 @@ def _explore(arguments: argparse.Namespace) -> int:
     from vibralign.explorer.page import build_page  # noqa: PLC0415
 
     shape = settings.shape or "square"
-    if sys.stderr.isatty() and not are_cached(shape):
+    # The page follows a part into the hole, unless only a part of its mouth is modelled.
+    chamfered = given.stated is not None and given.stated.is_chamfered
+    scene = ALIGNMENT if chamfered else INSERTION
+    if sys.stderr.isatty() and not are_cached(shape, scene):
         print("compiling the engines for the page, this once: some seconds …", file=sys.stderr)
-    engines = modules(shape)
+    engines = modules(shape, scene)
     file, origin = str(arguments.device or ""), _origin(arguments, given.stated)
     assumed = assumptions(given.parameters, settings, given.stated)
     model = device_model(
-        given.parameters, given.units, file, settings, engines.interface, origin, assumed
+        given.values, given.units, file, settings, engines.interface, origin, assumed
     )
     with writing():
         write_text(build_page(model, engines), arguments.out)

@@ -56,14 +56,10 @@ def check_picture(path: Path, option: str = "--plot") -> None:
     """Refuse a picture that could not be written.
 
     Raises:
-        ValueError: matplotlib is missing or has no such format, or the file cannot be written.
+        ValueError: matplotlib has no such format, or the file cannot be written.
     """
-    try:
-        # Half a second, and a package, that only plots need.
-        from matplotlib.backend_bases import FigureCanvasBase  # noqa: PLC0415
-    except ImportError:
-        raise ValueError(
-            f"{option} needs matplotlib, which is not installed: pip install 'vibralign[plot]'"
-        ) from None
+    # Imported here: half a second that only plots need.
+    from matplotlib.backend_bases import FigureCanvasBase  # noqa: PLC0415
+
     valid = sorted(set(FigureCanvasBase.get_supported_filetypes()) - _NOT_PICTURES)
     check_file(path, option, valid)

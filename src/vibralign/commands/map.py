@@ -1,7 +1,6 @@
 """``vibralign map``: compute a stability map over any two parameters of any device."""
 
 import argparse
-import importlib.util
 import math
 import os
 from collections.abc import Mapping, Sequence
@@ -35,7 +34,7 @@ from vibralign.commands.program import add_command
 from vibralign.commands.progress import ProgressLine
 from vibralign.device.amounts import read_amount, read_range
 from vibralign.device.spelling import ends_of, plain
-from vibralign.device.stated import QUANTITIES, StatedDevice, unit_of
+from vibralign.device.stated import StatedDevice, check_quantity, unit_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -43,7 +42,6 @@ if TYPE_CHECKING:
     from model.sweeps.settings import Ensemble
     from model.sweeps.sweep import Sweep
 
-_NEEDED = ("netCDF4", "scipy", "xarray")
 _FINEST = 1025
 _DEFAULT = 129
 
@@ -76,11 +74,6 @@ def add(commands: Any) -> None:
 
 
 def _map(arguments: argparse.Namespace) -> int:
-    missing = [name for name in _NEEDED if importlib.util.find_spec(name) is None]
-    if missing:
-        raise ValueError(
-            f"map needs {', '.join(missing)}, not installed: pip install 'vibralign[study]'"
-        )
     check_file(arguments.out, "--out", ["nc"])
     if arguments.plot is not None:
         check_picture(arguments.plot)
@@ -156,7 +149,10 @@ def _axis(
     from vibralign.answers.maps import QuantityAxis  # noqa: PLC0415  (as in _map)
 
     name, *words = given
-    check_name(name, PARAMETER_NAMES if stated is None else QUANTITIES, "parameter")
+    if stated is None:
+        check_name(name, PARAMETER_NAMES, "parameter")
+    else:
+        check_quantity(name)
     what, text = f"{option} {name}", " ".join(words)
     ends = ends_of(plain(text)) or words
     if len(ends) != 2:

@@ -18,7 +18,6 @@ from model.sweeps.version import version
 from vibralign.commands.files import WriteError
 
 DONE, FAILED, REFUSED, INTERRUPTED = 0, 1, 2, 130
-_OWN = ("model", "vibralign", "study")  # packages that are there
 
 
 def add_command(
@@ -81,11 +80,6 @@ def run_program(parser: Parser, argv: Sequence[str] | None = None) -> int:
         return ending.code if isinstance(ending.code, int) else DONE
     except ValueError as refusal:
         return _failed(name, REFUSED, refusal)
-    except ModuleNotFoundError as missing:
-        if missing.name is None or missing.name.partition(".")[0] in _OWN:
-            raise
-        remedy = "pip install 'vibralign[study]'"
-        return _failed(name, REFUSED, f"needs {missing.name}, which is not installed: {remedy}")
     except KeyboardInterrupt:
         with contextlib.suppress(OSError):
             print(f"{name}: interrupted", file=sys.stderr)

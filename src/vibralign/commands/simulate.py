@@ -21,7 +21,7 @@ from model.runs.unvibrated import unvibrated_results, unvibrated_words
 from model.sweeps.files import write_text
 from model.sweeps.version import version
 from vibralign.answers.assumptions import assumptions, lines_of
-from vibralign.answers.forces import forces_words, until
+from vibralign.answers.forces import forces_words, tip_record, until
 from vibralign.answers.lever import lever_record, lever_words, wall_words
 from vibralign.answers.reliability import FORCES
 from vibralign.answers.si import in_words, natural_record, natural_words
@@ -34,6 +34,7 @@ from vibralign.commands.arguments import (
 from vibralign.commands.files import check_file, check_picture, writing
 from vibralign.commands.program import add_command, add_json
 from vibralign.commands.tables import print_json
+from vibralign.device.runs import of_device
 
 ENGINE: Engine = "scalar"  # also of the control: the other would have to be compiled first
 
@@ -65,6 +66,7 @@ def _simulate(arguments: argparse.Namespace) -> int:
         check_file(arguments.animate, "--animate", ["html"])
     announce_compilation()
     run = simulate(parameters, settings)
+    run = run if given.stated is None else of_device(run, given.stated)
     assumed = assumptions(parameters, settings, given.stated)
     if arguments.json:
         record = _record(run, settings) | {"assumptions": assumed}
@@ -107,7 +109,8 @@ def _page(given: Inputs, units: Units | None, file: str, assumed: Mapping[str, s
 
     parameters, settings = given.parameters, given.settings
     table = interface(settings.scene, settings.shape or "square")
-    model = device_model(parameters, units, file, settings, table, assumed=assumed)
+    values = given.values if units else parameters.given()
+    model = device_model(values, units, file, settings, table, assumed=assumed)
     return run_page(model, trace_run(parameters, settings))
 
 
@@ -196,6 +199,7 @@ def _record(run: Trajectory, settings: Settings) -> dict[str, Any]:
     """Return the record of a run, for --json."""
     return {
         **{name: getattr(run, name) for name in RESULTS},
+        **tip_record(run.edge_force_max, settings),
         "outcome": _name(run.outcome),
         "reason": _name(run.reason),
         "message": run.message,

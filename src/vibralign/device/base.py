@@ -20,11 +20,12 @@ import math
 import re
 from collections.abc import Mapping
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from model.physics.geometry import lever_if_flat
 from model.physics.parameters import Shape
 from vibralign.device.holder import RATIOS
+from vibralign.device.mouth import middle_of_face
 from vibralign.device.spelling import in_per_cent
 
 
@@ -156,12 +157,15 @@ def damping_ratio_of(restitution: float) -> float:
     return 0.5 * (low + high)
 
 
-def mass_at_edge(quantities: Mapping[str, float], shape: Shape) -> float:
-    """Return the effective mass in kg of the part at the edge, or tips, on which it starts flat."""
-    half_width, mass = quantities["half_width"], quantities["mass"]
-    hole = half_width * (1.0 + quantities["clearance"])
-    arm = lever_if_flat(half_width, hole, quantities["misalignment"], shape)
-    return mass / (1.0 + mass * arm * arm / quantities["inertia"])
+def mass_at_edge(parameters: Mapping[str, Any], shape: Shape) -> Any:
+    """Return the effective mass of the part at the edge, or tips, on which it starts flat.
+
+    Of parameters in SI units with the ``mass``, in kg; or of dimensionless ones, in masses.
+    """
+    half_width, mass = parameters["half_width"], parameters.get("mass", 1.0)
+    hole = half_width * (1.0 + parameters["clearance"])
+    arm = lever_if_flat(half_width, hole, middle_of_face(parameters), shape)
+    return mass / (1.0 + mass * arm * arm / parameters["inertia"])
 
 
 def with_base(
@@ -222,6 +226,9 @@ def _check_base(
     if "restitution" in given and "contact_damping" in parameters:
         raise ValueError("contact_damping and restitution state the same: leave one out")
     if "restitution" in given:
-        for name in ("half_width", "clearance", "misalignment", "mass", "inertia"):
-            if not parameters.get(name, 0.0) > 0.0:
+        needed = {n: parameters.get(n, 0.0) for n in ("half_width", "clearance", "mass", "inertia")}
+        if {"misalignment", "half_height"} <= parameters.keys():
+            needed["misalignment"] = middle_of_face(parameters)
+        for name, value in needed.items():
+            if not value > 0.0:
                 raise ValueError(f"restitution needs {name}, a number > 0")

@@ -10,9 +10,10 @@ from model.physics.units import UNITS, Units, scales
 from model.runs.settings import Settings
 from vibralign.device.base import CENTRE
 from vibralign.device.holder import RATIOS
+from vibralign.device.mouth import MOUTH, as_parameters
 from vibralign.device.stated import StatedDevice
 
-_ALONE = {"frequency", "friction", "phase", "initial_tilt"}  # of which no other quantity follows
+_ALONE = {"frequency", "friction", "phase"}  # of which no other quantity follows
 
 Values = Mapping[str, NDArray[np.float64]]
 """Quantities that vary together, each of shape (n,)."""
@@ -51,15 +52,16 @@ def _resolved(stated: StatedDevice, values: Values, size: int) -> dict[str, NDAr
     """Return ``stated.resolved`` of many devices, shape (n,) or (); NaN where nothing is stated."""
     own = {**stated.values, **stated.quantities}
     if not (stated.materials or stated.quantities.keys() & {*RATIOS, "restitution", CENTRE}) and (
-        values.keys() <= {*FIELDS, *UNITS}
-    ):  # nothing is computed from others
+        values.keys() <= {*FIELDS, *UNITS, *MOUTH}
+    ):  # nothing is computed from others, but the start
         changed = {
             name: column
-            if name in stated.quantities
+            if name in stated.quantities or name in MOUTH
             else np.where(column == own.get(name), np.nan, column)
             for name, column in values.items()
         }
-        return {name: np.asarray(v) for name, v in {**stated.quantities, **changed}.items()}
+        given = as_parameters({**stated.quantities, **changed})
+        return {name: np.asarray(v) for name, v in given.items()}
     computing = {name: column for name, column in values.items() if name not in _ALONE}
     table = np.array([*computing.values()]).reshape(len(computing), size).T
     nodes, which = np.unique(table, axis=0, return_inverse=True)

@@ -7,12 +7,20 @@ each of their quantities if it is a thousand times larger or smaller: a wrong pr
 import math
 from collections.abc import Iterator, Mapping
 
-from model.physics.geometry import farthest_round, lever_doubt
+from model.physics.geometry import farthest_tilted, lever_doubt
 from model.physics.parameters import FIELDS, Shape, constants_of
 from model.physics.quantities import LENGTH
+from model.physics.tables import vars_of
 from model.physics.units import Device
 from vibralign.device.base import mass_at_edge
 from vibralign.device.holder import DIRECTIONS, critical_damping, natural_frequencies
+from vibralign.device.mouth import (
+    CHAMFERS,
+    GRIPPER_TILT,
+    as_parameters,
+    is_inside,
+    press_to_slide,
+)
 from vibralign.device.spelling import in_per_cent
 
 _LONGEST = 1.0  # m
@@ -38,21 +46,54 @@ _SOFTEST = 10.0  # contact stiffness over axial stiffness
 _FREQUENCIES = {"lateral": (0.033, 3.3), "tilt": (0.1, 8.0)}
 
 
+class DeviceError(ValueError):
+    """A file that states no valid device."""
+
+
+class NoNeedError(DeviceError):
+    """A device that needs no alignment: the face of the part starts within the hole."""
+
+
 def check_press(force: float) -> None:
     """Refuse a press force in N that is not > 0."""
     if not force > 0.0:
         raise ValueError(f"press_force = {force!r}: must be > 0, or nothing presses the part")
 
 
-def check_place(quantities: Mapping[str, float]) -> None:
-    """Refuse quantities in SI units with which the part starts inside the hole."""
-    play = quantities["clearance"] * quantities["half_width"]
-    if not quantities["misalignment"] > play:
+def check_place(given: Mapping[str, float]) -> None:
+    """Refuse a place in which no edge is under the face of the part.
+
+    ``given`` are quantities in SI units, with those of ``MOUTH``.
+
+    Raises:
+        NoNeedError: the part starts inside the hole, or its chamfer meets the hole's.
+        ValueError: it starts wholly beside the hole.
+    """
+    tilt, own = given.get(GRIPPER_TILT, 0.0), as_parameters(given)
+    bare = as_parameters({name: each for name, each in given.items() if name not in CHAMFERS})
+    said = f"misalignment = {given['misalignment']:.6g} m"
+    tilted = f", tilted by {math.degrees(tilt):.3g}°" if tilt else ""
+    if is_inside(bare, tilt):
+        play = given["half_width"] * (1.0 + given["clearance"] - math.cos(tilt))
+        raise NoNeedError(
+            f"{said}: already inside at the start{tilted}: needs no alignment, misalignment <= "
+            f"clearance * half_width = {play:.6g} m; the clearance is the ratio (hole - peg) / peg "
+            "of the radii, not a length"
+            + (in_per_cent(given["clearance"]) if given["clearance"] > _WIDEST else "")
+        )
+    if is_inside(own, tilt):
+        press = press_to_slide(given)
+        slides = "slides in" if given["press_force"] > press else "does not slide in"
+        raise NoNeedError(
+            f"{said}: the chamfers meet{tilted}: no vibration needed; under press_force = "
+            f"{given['press_force']:.4g} N the part {slides} along a flank of 45°, which takes "
+            f"more than {press:.4g} N"
+        )
+    wide = own["half_width"] * (1.0 + own["clearance"] + math.cos(tilt))
+    if given["misalignment"] >= wide:
         raise ValueError(
-            f"misalignment = {quantities['misalignment']:.6g} m: already inside at the start, "
-            f"misalignment <= clearance * half_width = {play:.6g} m; the clearance is the ratio "
-            "(hole - peg) / peg of the radii, not a length"
-            + (in_per_cent(quantities["clearance"]) if quantities["clearance"] > _WIDEST else "")
+            f"{said}: must be smaller than half_width * (2 + clearance) = {wide:.6g} m, or the "
+            "part touches down wholly beside the hole"
         )
 
 
@@ -66,7 +107,7 @@ def doubts(quantities: Mapping[str, float], device: Device, shape: Shape) -> lis
     """
     found = _lengths, _sizes, _fit, _start, _excitation, _stiffnesses, _dampings
     lines = [line for each in found for line in each(quantities, device)]
-    lines += [*_place(quantities, shape), *_base(quantities, shape)]
+    lines += [*_place(quantities, device, shape), *_base(quantities, device, shape)]
     return [*lines, *_lever(quantities, device, shape)]
 
 
@@ -127,7 +168,7 @@ def _fit(given: Mapping[str, float], _device: Device) -> Iterator[str]:
 
 
 def _start(given: Mapping[str, float], _device: Device) -> Iterator[str]:
-    for name, most in (("initial_tilt", _STEEPEST), ("rest_tilt", _STEEPEST), ("phase", math.tau)):
+    for name, most in ((GRIPPER_TILT, _STEEPEST), ("phase", math.tau)):
         if abs(given.get(name, 0.0)) > most:
             yield (
                 f"{name} = {given[name]:.4g} rad is {math.degrees(given[name]):.4g}°: write "
@@ -135,10 +176,10 @@ def _start(given: Mapping[str, float], _device: Device) -> Iterator[str]:
             )
 
 
-def _place(given: Mapping[str, float], shape: Shape) -> Iterator[str]:
-    radius, tilt = given["half_width"], given.get("initial_tilt", 0.0)
-    hole = radius * (1.0 + given["clearance"])
-    farthest = farthest_round(radius, hole, given["half_height"], tilt)
+def _place(given: Mapping[str, float], device: Device, shape: Shape) -> Iterator[str]:
+    p = device.parameters
+    down = p.half_height * math.sin(p.initial_tilt)
+    farthest = (farthest_tilted(constants_of(p, shape)) + down) * device.units.amplitude
     if shape == "round" and given["misalignment"] >= farthest:
         yield (
             f"{_mm(given, 'misalignment')}: the press tilts a round part of this clearance towards "
@@ -197,7 +238,7 @@ def _dampings(given: Mapping[str, float], _device: Device) -> Iterator[str]:
             yield words if instead in given else words + hint
 
 
-def _base(given: Mapping[str, float], shape: Shape) -> Iterator[str]:
+def _base(given: Mapping[str, float], device: Device, shape: Shape) -> Iterator[str]:
     stiffness = given.get("contact_stiffness")
     if stiffness is not None:
         if stiffness < _SOFTEST * given["axial_stiffness"]:
@@ -208,7 +249,8 @@ def _base(given: Mapping[str, float], shape: Shape) -> Iterator[str]:
         if stiffness > _STIFFEST * given["half_width"]:
             yield f"contact_stiffness = {stiffness:.4g} N/m is more than steel of this size has"
         damping = given.get("contact_damping", 0.0)
-        ratio = damping / (2.0 * math.sqrt(stiffness * mass_at_edge(given, shape)))
+        mass = given["mass"] * mass_at_edge(vars_of(device.parameters), shape)
+        ratio = damping / (2.0 * math.sqrt(stiffness * mass))
         if damping and "restitution" not in given and _outside(ratio, _DAMPING):
             yield f"contact_damping = {damping:.4g} N s/m is a damping ratio of {ratio:.2g}"
     if given.get("restitution", 1.0) < _DEADEST:

@@ -10,7 +10,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from model.engine.results import RESULTS, VALUE_TYPES
 from model.physics.parameters import Batch, Parameters
 from model.physics.quantities import LENGTH, TIME, Quantity
 from model.physics.tables import vars_of
@@ -21,6 +23,7 @@ from model.runs.engines import Engine
 from model.runs.settings import Settings, settings_with
 from model.runs.simulate import Trajectory
 from vibralign.device.amounts import read_amount
+from vibralign.device.mouth import judged
 from vibralign.device.stated import QUANTITIES, StatedDevice, load_device
 
 Device = Parameters | StatedDevice
@@ -112,8 +115,17 @@ def simulate(parameters: AnyDevice, settings: Settings | None = None, **changes:
         ValueError: a setting that is unknown or out of range, or a file that states no device.
     """
     device = device_of(parameters)
-    run = single.simulate(*as_run(device, settings, changes))
-    return run if isinstance(device, Parameters) else replace(run, units=device.units)
+    own, settings = as_run(device, settings, changes)
+    run = single.simulate(own, settings)
+    return run if isinstance(device, Parameters) else of_device(run, device)
+
+
+def of_device(run: Trajectory, device: StatedDevice) -> Trajectory:
+    """Return the run of a device in SI units, with its units and what ``judged`` says of it."""
+    results = {name: np.asarray(getattr(run, name)) for name in RESULTS}
+    found = judged(results, vars_of(run.parameters), chamfered=device.is_chamfered)
+    values = {name: VALUE_TYPES[name].scalar(each) for name, each in found.items()}
+    return replace(run, units=device.units, **values)
 
 
 def align(
@@ -157,4 +169,14 @@ def align(
         part = many.align([runs[row][0] for row in some], own, cores=cores, engine=engine)
         for name, column in vars_of(part).items():
             found.setdefault(name, np.empty(len(runs), column.dtype))[some] = column
+    chamfered = [each.is_chamfered if isinstance(each, StatedDevice) else None for each in devices]
+    for kind in {*chamfered} - {None}:
+        some = [row for row, each in enumerate(chamfered) if each is kind]
+        batch, columns = Batch.stack([runs[row][0] for row in some]), _rows(found, some)
+        for name, column in judged(columns, batch.values, chamfered=bool(kind)).items():
+            found[name][some] = column
     return Alignments(**found)
+
+
+def _rows(columns: Mapping[str, NDArray[Any]], rows: Sequence[int]) -> dict[str, NDArray[Any]]:
+    return {name: column[rows] for name, column in columns.items()}

@@ -9,17 +9,33 @@ from typing import Any, get_args
 
 import yaml
 
-from model.physics.parameters import FIELDS, PARAMETER_NAMES, Parameters, Shape, check_name
-from model.physics.quantities import LENGTH
+from model.events.scenes import ALIGNMENT
+from model.physics.fields import Bound
+from model.physics.parameters import FIELDS, Parameters, Shape, check_name
+from model.physics.quantities import LENGTH, PLAIN, Quantity
 from model.physics.rest import Start
 from model.physics.tables import Value, vars_of
 from model.physics.units import UNITS, Device, Units, device
 from model.runs.settings import Settings
 from model.sweeps import files
 from vibralign.device.amounts import Tolerance, read_amount, read_range
-from vibralign.device.base import BASE, CENTRE, SOURCES, pair_of, with_base
+from vibralign.device.base import BASE, CENTRE, CENTRE_WORDS, SOURCES, pair_of, with_base
 from vibralign.device.holder import RATIOS, with_damping
-from vibralign.device.plausibility import check_place, check_press, doubts
+from vibralign.device.mouth import (
+    CHAMFERS,
+    GRIPPER_TILT,
+    MOUTH,
+    REPLACED,
+    as_parameters,
+    check_not_replaced,
+)
+from vibralign.device.plausibility import (
+    DeviceError,
+    NoNeedError,
+    check_place,
+    check_press,
+    doubts,
+)
 
 # Upper limits that a design may have to keep: meaning and SI unit.
 LIMITS: Mapping[str, tuple[str, str]] = {
@@ -29,12 +45,10 @@ LIMITS: Mapping[str, tuple[str, str]] = {
 }
 # Limit "vibration" of a design: the share of devices that must not align without vibration.
 VIBRATION: Mapping[str, float] = {"needed": 1.0, "not needed": 0.0}
-QUANTITIES = (*UNITS, *PARAMETER_NAMES, *RATIOS, *BASE, CENTRE)
+_OWN = {**{n: each for n, each in FIELDS.items() if n not in REPLACED}, **UNITS, **MOUTH}
+QUANTITIES = (*UNITS, *(n for n in _OWN if n not in UNITS), *RATIOS, *BASE, CENTRE)
+FOLLOWED = "a part with chamfers is followed until its face has reached them, no further"
 _BESIDES = ("materials", "free", "limits", "start", "shape")
-
-
-class DeviceError(ValueError):
-    """A file that states no valid device."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -105,8 +119,11 @@ class StatedDevice(Value):
     @property
     def values(self) -> dict[str, float]:
         """Value of every quantity in SI units, stated or not, without those of the base."""
-        usual = {**vars(self.units), **self.units.in_si(self.parameters).given()}
-        return {name: v for name, v in usual.items() if v is not None} | self.resolved({})
+        given, resolved = self.units.in_si(self.parameters).given(), self.resolved({})
+        part = self._of_part({})
+        stated = {n: part[n] for n in (*MOUTH, "half_width", "clearance") if n in part}
+        usual = {**vars(self.units), **given, **resolved, GRIPPER_TILT: 0.0, **stated}
+        return {n: v for n, v in usual.items() if v is not None and n not in REPLACED}
 
     def at(self, changes: Mapping[str, float]) -> Device:
         """Return units and dimensionless parameters with some quantities (SI units) changed.
@@ -123,20 +140,25 @@ class StatedDevice(Value):
         """Return ``at`` for values that a file may state.
 
         Raises:
-            ValueError: as ``at``, or the part is not pressed or starts inside the hole.
+            ValueError: as ``at``, or the part is not pressed.
+            NoNeedError: the part starts inside the hole, or its chamfer meets the hole's.
         """
         check_press(changes.get("press_force", self.quantities["press_force"]))
-        quantities = self.resolved(changes)
-        check_place(quantities)
-        return device(quantities)
+        found = device(self.resolved(changes))
+        check_place(self._of_part(changes))
+        return found
 
     def resolved(self, changes: Mapping[str, float]) -> dict[str, float]:
-        """Return the quantities (SI units) with ``changes``, and parameters computed from them."""
+        """Return the parameters in SI units, and the units, with ``changes`` of quantities."""
+        stated = None if "materials" in _replaced_by(changes) else self.materials
+        pair = None if stated is None else pair_of(stated)
+        return with_base(as_parameters(self._of_part(changes)), pair, self.shape)
+
+    def _of_part(self, changes: Mapping[str, float]) -> dict[str, float]:
+        """Return the quantities with ``changes``, of the holder and the part as ``MOUTH`` is."""
         replaced = _replaced_by(changes)
         kept = {name: v for name, v in self.quantities.items() if name not in replaced}
-        stated = None if "materials" in replaced else self.materials
-        pair = None if stated is None else pair_of(stated)
-        return with_base(_of_holder_and_part({**kept, **changes}), pair, self.shape)
+        return _of_holder_and_part({**kept, **changes})
 
     def changed(self, **changes: float | str) -> "StatedDevice":
         """Return the device with other values and the same tolerances.
@@ -149,7 +171,7 @@ class StatedDevice(Value):
             ValueError: an unknown quantity, or a text that is no amount.
         """
         for name in changes:
-            check_name(name, QUANTITIES, "quantity of a device")
+            check_quantity(name)
         values, tolerances = _amounts(changes, self.quantities.get("frequency"))
         replaced = _replaced_by(changes)
         return replace(
@@ -170,11 +192,20 @@ class StatedDevice(Value):
             "start": settings.start or self.start,
             "shape": settings.shape or self.shape,
         }
+        if self.is_chamfered:
+            changes |= {"scene": ALIGNMENT, "insertion_depth": None, "alignment_only": False}
+            if self.insertion_depth is not None or settings.insertion_depth is not None:
+                raise ValueError(f"insertion_depth: leave it out: {FOLLOWED}")
         if self.horizon is not None:
             changes["horizon"] = self.horizon / units.time
         if self.insertion_depth is not None:
             changes["insertion_depth"] = self.insertion_depth / units.amplitude
         return replace(settings, **changes)
+
+    @property
+    def is_chamfered(self) -> bool:
+        """True if the file states a chamfer, be it 0: runs then end at the chamfers."""
+        return not self.quantities.keys().isdisjoint(CHAMFERS)
 
     @property
     def base_is_stated(self) -> bool:
@@ -190,9 +221,9 @@ class StatedDevice(Value):
             for name, each in self.tolerances.items()
             if each.kind == "uniform"
             and each.around(self.quantities[name]) > abs(self.quantities[name])
-            and (name not in FIELDS or FIELDS[name].bound)
+            and bound_of(name)
         ]
-        found = doubts({**self.resolved({}), **self.quantities}, self.device, self.shape)
+        found = doubts({**self.values, **self.quantities}, self.device, self.shape)
         if self.stated_shape is None:
             found.append(
                 "shape is not stated: taken as round, a peg in a round hole; state shape: round, "
@@ -229,6 +260,7 @@ def load_device(path: Path | str, changes: Mapping[str, object] | None = None) -
 
     Raises:
         DeviceError: the file cannot be read, is not YAML, breaks a rule, or makes no sense.
+        NoNeedError: it is a valid device, which needs no alignment.
     """
     path, changes = Path(path), {} if changes is None else changes
     replaced = _replaced_by(changes)
@@ -255,12 +287,13 @@ def load_device(path: Path | str, changes: Mapping[str, object] | None = None) -
                 check_name(str(mapping[name]), get_args(kind), name)
         # Refuses unknown and missing quantities, before anything is computed from them.
         known = {n: v for n, v in stated.quantities.items() if n not in BASE}
-        device(_of_holder_and_part(known))
+        device(as_parameters(_of_holder_and_part(known)))
         stated.admitted({})
         _check_tolerances(stated)
         _check_free(stated)
     except ValueError as error:
-        raise DeviceError(f"{path}: {error}") from None
+        needless = isinstance(error, NoNeedError)
+        raise (NoNeedError if needless else DeviceError)(f"{path}: {error}") from None
     return stated
 
 
@@ -270,12 +303,33 @@ def unit_of(name: str) -> str:
     Raises:
         ValueError: an unknown quantity.
     """
-    check_name(name, QUANTITIES, "quantity of a device")
+    return quantity_of(name)[1].unit
+
+
+def quantity_of(name: str) -> tuple[str, Quantity, str]:
+    """Return meaning, physical quantity and symbol of a quantity of a device; "" without a symbol.
+
+    Raises:
+        ValueError: an unknown quantity.
+    """
+    check_quantity(name)
+    if name in _OWN:
+        return _OWN[name].description, _OWN[name].quantity, _OWN[name].symbol
     if name in RATIOS:
-        return "1"
-    if name == CENTRE:
-        return LENGTH.unit
-    return (UNITS | FIELDS)[name].quantity.unit if name not in BASE else BASE[name][1]  # type: ignore[operator]
+        return f"damping ratio, in place of {RATIOS[name]}", PLAIN, ""
+    words, unit = BASE.get(name, (CENTRE_WORDS, LENGTH.unit))
+    return words, LENGTH if unit == LENGTH.unit else PLAIN, ""
+
+
+def bound_of(name: str) -> Bound:
+    """Return the admissible range of a quantity of a device."""
+    return _OWN[name].bound if name in _OWN else "> 0"
+
+
+def check_quantity(name: str) -> None:
+    """Refuse a name that is no quantity of a device; of an old one, say what to write instead."""
+    check_not_replaced(name)
+    check_name(name, QUANTITIES, "quantity of a device")
 
 
 class _Loader(files.Loader):  # type: ignore[misc]

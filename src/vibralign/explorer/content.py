@@ -22,12 +22,13 @@ from model.events.outcomes import (
     remedy,
 )
 from model.physics.fields import Field
-from model.physics.parameters import FIELDS, Parameters
+from model.physics.parameters import FIELDS
 from model.physics.quantities import ANGLE, FORCE, PLAIN, TIME, Quantity
 from model.physics.units import UNITS, Units
 from model.runs.settings import Settings
 from vibralign.answers.forces import until
 from vibralign.answers.si import display, scale
+from vibralign.device.mouth import MOUTH
 from vibralign.plots.words import symbol_parts
 
 FIRST = ("friction", "press_force", "tilt_stiffness", "frequency")  # sliders at the top
@@ -89,12 +90,8 @@ def _shown(units: Units | None, quantity: Quantity, value: float = 0.0) -> dict[
     return {"powers": powers, "si": si, "unit": unit, "one": one}
 
 
-def _values(units: Units | None, parameters: Parameters) -> dict[str, float | None]:
-    """Return the parameters in the page's units, after the units themselves."""
-    if units is None:
-        return parameters.given()
-    return vars(units) | units.in_si(parameters).given()
-
+Values = Mapping[str, float | None]
+"""Parameters, or quantities of a device in SI units, by name."""
 
 # The options that a device's page was made with; the commands that it copies repeat them.
 _NO_ORIGIN: Mapping[str, Any] = {
@@ -108,7 +105,7 @@ _NO_ORIGIN: Mapping[str, Any] = {
 
 
 def device_model(
-    device: Parameters,
+    values: Values,
     units: Units | None,
     file: str,
     settings: Settings,
@@ -118,17 +115,18 @@ def device_model(
 ) -> dict[str, Any]:
     """Return the content of the page of a device, in SI units if it has ``units``.
 
+    ``values`` are its parameters or, in SI units, its quantities (``StatedDevice.values``).
     ``assumed`` is what its runs assume, in words by name.
     """
     preset = {
         **DEFAULT_AXES, "group": "Device", "title": file or "the paper's device",
-        "words": _held_words(origin["held"]), "values": _values(units, device),
+        "words": _held_words(origin["held"]), "values": values,
     }  # fmt: skip
     return {
-        **page_model(f"vibralign explorer: {file}", device, units, settings, interface, assumed),
+        **page_model(f"vibralign explorer: {file}", values, units, settings, interface, assumed),
         "origin": origin,
         "name": Path(file).stem or "device",
-        "parameters": described(device, units),
+        "parameters": described(values, units),
         "presets": {"device": preset},
         "first": "device",
         "maps": {},
@@ -137,7 +135,7 @@ def device_model(
 
 def page_model(
     title: str,
-    baseline: Parameters,
+    baseline: Values,
     units: Units | None,
     settings: Settings,
     interface: Mapping[str, Any],
@@ -158,7 +156,7 @@ def page_model(
         "control": dict(
             zip(interface["limits"], (settings.tolerance, *settings.control), strict=True)
         ),
-        "baseline": _values(units, baseline),
+        "baseline": baseline,
         "outcomes": {int(each): text for each, text in OUTCOME_TEXT.items()},
         "reasons": {int(each): text for each, text in REASON_TEXT.items()},
         "remedies": {f"{o:d},{r:d}": remedy(o, r) for o, r in product(Outcome, Reason)},
@@ -167,6 +165,7 @@ def page_model(
         "panels": [_panel(panel, units) for panel in _PANELS],
         "time": _shown(units, TIME),
         "force": _shown(units, FORCE),
+        "on_flank": int(Reason.ON_FLANK),
         "forces_known": until(replace(settings, scene=INSERTION) if inserts else settings),
     }
 
@@ -207,7 +206,7 @@ def _range(
 
 
 def described(
-    device: Parameters,
+    values: Values,
     units: Units | None,
     first: Sequence[str] = FIRST,
     axes: Mapping[str, tuple[float, float]] = MappingProxyType({}),
@@ -216,9 +215,9 @@ def described(
 
     ``axes`` are the ranges of sliders, by name; others follow from the device.
     """
-    values, rows = _values(units, device), []
+    rows = []
     for name in sorted(values, key=lambda each: (each in UNITS, each not in first)):
-        field = (FIELDS | UNITS)[name]  # type: ignore[operator]
+        field = MOUTH[name] if units and name in MOUTH else (FIELDS | UNITS)[name]  # type: ignore[operator]
         letter, index = symbol_parts(field.symbol)
         least, most = axes.get(name) or _range(name, field, values, scale(units, field.quantity))
         rows.append(

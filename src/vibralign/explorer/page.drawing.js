@@ -81,14 +81,15 @@ function spring(g, from, to) {
 /** @param {CanvasRenderingContext2D} g @param {Place} place @param {{x: number, y: number, tilt: number}} pose @param {any} device */
 function outline(g, place, pose, device) {
   const [s, c] = [Math.sin(pose.tilt), Math.cos(pose.tilt)], a = device.half_width, b = device.half_height;
+  const w = a + device.peg_chamfer, low = device.peg_chamfer - b;
   g.beginPath();
-  for (const [u, v] of [[-a, -b], [a, -b], [a, b], [-a, b]]) g.lineTo(...place(pose.x + u * c - v * s, pose.y + u * s + v * c));
+  for (const [u, v] of [[-a, -b], [a, -b], [w, low], [w, b], [-w, b], [-w, low]]) g.lineTo(...place(pose.x + u * c - v * s, pose.y + u * s + v * c));
   g.closePath();
 }
 
-/** Draw the base with its slot. @param {CanvasRenderingContext2D} g @param {Place} place @param {number} slot @param {number[]} box */
-function drawBase(g, place, slot, [left, top, width, height]) {
-  const [edge, ground] = place(slot, 0), [other] = place(-slot, 0);
+/** Draw the base with its slot, whose mouth a chamfer widens. @param {CanvasRenderingContext2D} g @param {Place} place @param {any} device @param {number[]} box */
+function drawBase(g, place, { slot_half_width: mouth, hole_chamfer: chamfer }, [left, top, width, height]) {
+  const slot = mouth - chamfer, [edge, ground] = place(slot, 0), [other] = place(-slot, 0);
   g.fillStyle = COLOURS.base;
   g.strokeStyle = COLOURS.ink;
   g.lineWidth = 1.5;
@@ -96,11 +97,34 @@ function drawBase(g, place, slot, [left, top, width, height]) {
     g.fillRect(from, ground, to - from, top + height - ground);
     line(g, [from === lip ? left + width : left, ground], [lip, ground], [lip, top + height]);
   }
+  for (const side of chamfer ? [-1, 1] : []) {
+    g.fillStyle = "#ffffff";
+    g.beginPath();
+    for (const at of [place(side * mouth, 0), place(side * slot, 0), place(side * slot, -chamfer)]) g.lineTo(...at);
+    g.fill();
+    line(g, place(side * mouth, 0), place(side * slot, -chamfer));
+  }
   g.strokeStyle = COLOURS.faint;
   g.lineWidth = 0.75;
   g.setLineDash([6, 3, 1, 3]);
   line(g, place(0, 1e3), place(0, -1e3));
   g.setLineDash([]);
+}
+
+/** Mark the misalignment: the distance of the axes at the mouth of the slot. @param {CanvasRenderingContext2D} g @param {Place} place @param {any} pose @param {any} device */
+function drawMisalignment(g, place, pose, device) {
+  const [s, c] = [Math.sin(pose.tilt), Math.cos(pose.tilt)], b = device.half_height;
+  const middle = pose.x + b * s, [, y] = place(0, -0.25 * device.half_width);
+  const [from, to] = [place(0, 0)[0], place(middle, 0)[0]];
+  g.strokeStyle = g.fillStyle = COLOURS.faint;
+  g.lineWidth = 0.75;
+  g.setLineDash([6, 3, 1, 3]);
+  line(g, place(pose.x - b * s, pose.y + b * c), place(middle + 0.1 * b * s, pose.y - 1.1 * b * c));
+  g.setLineDash([]);
+  line(g, [from, y], [to, y]);
+  for (const end of [from, to]) line(g, [end, y - 4], [end, y + 4]);
+  g.font = "12px system-ui, sans-serif";
+  g.fillText("misalignment", Math.max(from, to) + 6, y + 4);
 }
 
 /** Draw the contact forces of a frame as arrows. @param {CanvasRenderingContext2D} g @param {Place} place @param {Frame} frame @param {any} device @param {any} pose @param {number} scale */
@@ -153,7 +177,7 @@ function drawScene(g, width, height, frame, device, options) {
     g.clip();
     /** @type {Place} */
     const place = (x, y) => [left + wide / 2 + unit * x, height - below - unit * y];
-    drawBase(g, place, device.slot_half_width, [left, 0, wide, height]);
+    drawBase(g, place, device, [left, 0, wide, height]);
     const pose = drawnPose(frame, device, options.exaggeration);
     if (options.ghost) {
       outline(g, place, drawnPose(options.ghost, device, options.exaggeration), device);
@@ -177,7 +201,10 @@ function drawScene(g, width, height, frame, device, options) {
       g.beginPath();
       g.arc(...place(pose.x, pose.y), 3, 0, 7);
       g.fill();
-    } else drawForces(g, place, frame, device, pose, push);
+    } else {
+      drawForces(g, place, frame, device, pose, push);
+      if (!frame.mode_dropped) drawMisalignment(g, place, pose, device);
+    }
     g.restore();
   }
   g.strokeStyle = COLOURS.faint;

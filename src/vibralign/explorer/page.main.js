@@ -24,11 +24,8 @@ const measured = { map: 0 };
 
 // ---------------------------------------------------------------- running
 
-/** Return a parameter as the engines take it, dimensionless. @param {string} name @param {Record<string, number>} values */
-const converted = (name, values) => values[name] / scaleOf(parameters[name], values);
-
 /** Return a set as the engines take it. @param {Record<string, number>} values @returns {number[]} */
-const setOf = (values) => MODEL.interface.parameters.map((/** @type {string} */ name) => converted(name, values));
+const setOf = (values) => Object.values(asParameters(values, MODEL));
 
 /** Return the control of a run; a horizon in seconds is the same for all units. @param {Record<string, number>} values @returns {Record<string, number>} */
 function controlOf(values) {
@@ -38,8 +35,9 @@ function controlOf(values) {
 
 /** Return all values, dimensionless, as the drawing takes them. @param {Record<string, number>} values */
 function drawnDevice(values) {
-  const device = Object.fromEntries(MODEL.interface.parameters.map((/** @type {string} */ name) => [name, converted(name, values)]));
-  return { ...device, slot_half_width: device.half_width * (1 + device.clearance), force_shown: 1 };
+  const device = asParameters(values, MODEL);
+  const [peg, hole] = ["peg_chamfer", "hole_chamfer"].map((name) => (values[name] ? values[name] / scaleOf(parameters[name], values) : 0));
+  return { ...device, slot_half_width: device.half_width * (1 + device.clearance), peg_chamfer: peg, hole_chamfer: hole, force_shown: 1 };
 }
 
 /** Run what the state says, and draw it. */
@@ -50,7 +48,7 @@ function rerun() {
   if (!runner) { if (run) show(run); return; }
   const values = valuesOf(state, state.vibration);
   const done = runner.start("run", setOf(values), controlOf(values), (found) => {
-    show({ ...found, device: drawnDevice(values), values });
+    show({ ...found, results: judged(found.results, values), device: drawnDevice(values), values });
     if (state.compared) compare(); else otherTimer = setTimeout(compare, SLOW_OTHER);
   });
   if (!done) writeInstead("Computing … this run has very many steps; the page stays usable.", false);
@@ -72,8 +70,8 @@ function show(found) {
 function compare() {
   const values = valuesOf(state, !state.vibration);
   runner?.start("other", setOf(values), controlOf(values), (found) => {
-    other = found;
-    if (state.vibration) slowTilt = slowTiltOf(found);
+    other = { ...found, results: judged(found.results, values) };
+    if (state.vibration) slowTilt = slowTiltOf(other);
     writeOutcome();
     if (state.compared) drawRun();
   });
@@ -181,7 +179,8 @@ function computeMap() {
   const values = valuesOf(state, state.vibration), limit = Math.min(MAP_EVALUATIONS, MODEL.control.max_evaluations);
   mapper.compute(emptyMap(state.x, state.y, span("x"), span("y"), CELLS), (changes) => {
     const here = { ...values, ...changes };
-    return { set: setOf(here), control: { ...controlOf(here), alignment_only: 1, max_evaluations: limit } };
+    const control = { ...controlOf(here), alignment_only: isChamfered(here) ? 0 : 1, max_evaluations: limit };
+    return { set: setOf(here), control, judge: (/** @type {Record<string, number>} */ results) => judged(results, here) };
   });
 }
 
@@ -242,13 +241,14 @@ async function start() {
   element("unscripted").remove();
   element("gradient").style.background = `linear-gradient(90deg, ${CIVIDIS.map((each) => `rgb(${each.join(",")})`).join(", ")})`;
   makeControls();
+  element("save").hidden = !MODEL.units;
   listen();
   writeControls();
   const about = MODEL.interface;
   if (MODEL.run) {
     const numbers = new Float64Array(await unpacked(MODEL.run.track));
     const track = trackOf(numbers, about.columns, MODEL.run.results.tracked);
-    run = { track, results: MODEL.run.results, device: drawnDevice(state.values), values: state.values };
+    run = { track, results: judged(MODEL.run.results, state.values), device: drawnDevice(state.values), values: state.values };
     document.body.classList.add("only-run");
     rerun();
   } else {

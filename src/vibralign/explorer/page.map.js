@@ -3,7 +3,7 @@
 /**
  * @typedef {{x: string, y: string, xs: [number, number], ys: [number, number], cells: number,
  *   tau: Float64Array, outcome: Int8Array, step: Uint8Array, stored: boolean, reliable: Uint8Array | null}} MapData
- * @typedef {{set: number[], control: Record<string, number>}} Task a run
+ * @typedef {{set: number[], control: Record<string, number>, judge: (results: Record<string, number>) => Record<string, number>}} Task a run
  * @typedef {{label: string, one: number}} MapAxis its title, and the size of the unit in which it is shown
  */
 
@@ -164,12 +164,11 @@ class Mapper {
     const { map } = this;
     if (map && message.generation === this.generation) {
       this.pending -= 1;
-      const width = this.about.results.length;
-      const [tau, outcome] = ["tau_align", "outcome"].map((name) => this.about.results.indexOf(name));
+      const names = this.about.results, width = names.length;
       message.nodes.forEach((/** @type {number} */ node, /** @type {number} */ n) => {
-        map.outcome[node] = message.results[n * width + outcome];
-        map.tau[node] = message.results[n * width + tau];
-        map.step[node] = this.step;
+        const found = Object.fromEntries(names.map((name, k) => [name, message.results[n * width + k]]));
+        const { outcome, tau_align: tau } = /** @type {any} */ (this.taskOf)(node).judge(found);
+        [map.outcome[node], map.tau[node], map.step[node]] = [outcome, tau, this.step];
       });
       const finished = map.outcome.some((each) => each >= 0 && each !== FAILED);
       if (!this.queue.length && !this.pending && finished) {

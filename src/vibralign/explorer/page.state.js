@@ -8,11 +8,49 @@
 /** Return the message on values that do not go together, else "". @param {Record<string, number>} values @param {boolean} isDevice */
 function misplaced(values, isDevice) {
   const { misalignment, half_width: width, clearance, press_force: force } = values;
-  const play = clearance * width, unit = isDevice ? " m" : "";
-  if (misalignment >= width * (2 + clearance)) return `misalignment = ${shown(misalignment)}${unit}: the part would start wholly beside the slot`;
-  if (isDevice && !(force > 0)) return `press_force = ${shown(force)} N: must be > 0, or nothing presses the part`;
-  if (isDevice && !(misalignment > play)) return `misalignment = ${shown(misalignment)} m: already inside at the start, misalignment <= clearance * half_width = ${shown(play)} m`;
+  if (!isDevice) return misalignment >= width * (2 + clearance) ? `misalignment = ${shown(misalignment)}: the part would start wholly beside the slot` : "";
+  const cosine = Math.cos(values.gripper_tilt), given = `misalignment = ${shown(misalignment)} m`, chamfer = values.peg_chamfer ?? 0;
+  if (chamfer >= width) return `peg_chamfer = ${shown(chamfer)} m: must be smaller than half_width, or no face is left`;
+  const pair = pairOf(values), play = (/** @type {number} */ half, /** @type {number} */ ratio) => half * (1 + ratio - cosine);
+  const wide = play(pair.half_width, pair.clearance) + 2 * pair.half_width * cosine;
+  if (misalignment >= wide) return `${given}: must be smaller than ${shown(wide)} m, or the part touches down wholly beside the hole`;
+  if (!(force > 0)) return `press_force = ${shown(force)} N: must be > 0, or nothing presses the part`;
+  if (!(misalignment > play(width, clearance))) return `${given}: already inside at the start: needs no alignment, misalignment <= clearance * half_width = ${shown(play(width, clearance))} m`;
+  if (!(misalignment > play(pair.half_width, pair.clearance))) return `${given}: the chamfers meet: no vibration needed`;
   return "";
+}
+
+/** Return whether a device states a chamfer. @param {Record<string, number>} values */
+const isChamfered = (values) => "peg_chamfer" in values || "hole_chamfer" in values;
+
+/** Return half-width and clearance of the pair that chamfers leave (mouth.py). @param {Record<string, number>} values */
+function pairOf({ half_width: half, clearance, peg_chamfer: own = 0, hole_chamfer: mouth = 0 }) {
+  const face = half - own;
+  return own || mouth ? { half_width: face, clearance: (half * (1 + clearance) + mouth) / face - 1 } : { half_width: half, clearance };
+}
+
+/** Return a device's values with its start as the engines take it (mouth.py): the mass centre is over the middle of the face, and the springs are relaxed there. @param {Record<string, number>} values @returns {Record<string, number>} */
+function startOf(values) {
+  const { misalignment, half_height: height, gripper_tilt: tilt } = values;
+  if (tilt === undefined) return values;
+  const start = { misalignment: misalignment - height * Math.sin(tilt), initial_tilt: tilt, rest_tilt: tilt, rest_x: NaN, rest_y: NaN };
+  return { ...values, ...pairOf(values), ...start };
+}
+
+/** Return the parameters as the engines take them, dimensionless, in their order. @param {Record<string, number>} values @param {any} model @returns {Record<string, number>} */
+function asParameters(values, model) {
+  const start = startOf(values), quantities = byName(model.parameters);
+  // A parameter that is not shown is an angle, or is not given.
+  const scale = (/** @type {string} */ name) => (quantities[name] ? scaleOf(quantities[name], values) : 1);
+  return Object.fromEntries(model.interface.parameters.map((/** @type {string} */ name) => [name, start[name] / scale(name)]));
+}
+
+/** Return results of a run; an alignment of a chamfered part at which a flank or a side is met is not known (mouth.py). @param {Record<string, number>} results @param {Record<string, number>} values @returns {Record<string, number>} */
+function judged(results, values) {
+  if (!isChamfered(values) || !Number.isFinite(results.tau_align)) return results;
+  const steepest = Math.acos(Math.SQRT1_2 / (1 + pairOf(values).clearance)) - Math.PI / 4;
+  const tilt = Math.max(results.tilt_max, Math.abs(results.tilt_at_alignment));
+  return tilt > steepest || results.side_force_max > 0 ? { ...results, outcome: LEFT_SCENE, reason: MODEL.on_flank, tau_align: NaN } : results;
 }
 
 /** Return the state that an address asks for, and what of the address is ignored, in words. @param {string} hash @param {any} model @returns {{state: State, ignored: string[]}} */
@@ -88,17 +126,15 @@ function commandOf(state, model) {
   return ["vibralign simulate --scene insertion", ...options, ...Object.values(stated)].join(" ");
 }
 
-/** Return a state's device file. @param {State} state @param {any} model */
+/** Return the file of a device in SI units. @param {State} state @param {any} model */
 function deviceOf(state, model) {
   const lines = ["# Saved from the explorer; for vibralign simulate, assess and map --device."];
-  const values = model.units ? state.values : { mass: 1, axial_stiffness: 1, amplitude: 1, ...state.values };
-  if (!model.units) lines.push("# The device has no units: mass, axial stiffness and amplitude are 1, so that its other numbers are dimensionless,", "# except the frequency, which is in Hz.");
   lines.push(`shape: ${model.interface.shape}`);
   const quantities = byName(model.parameters);
-  for (const [name, value] of Object.entries(values)) {
+  for (const [name, value] of Object.entries(state.values)) {
     if (Number.isNaN(value)) continue;
-    const { one = 1, unit = "", powers = [0, 0, 0, 1] } = quantities[name] ?? {};
-    lines.push(model.units ? `${name}: ${inOne(value, 1 / one)} ${unit}`.trimEnd() : `${name}: ${value * powers[3]}`);
+    const { one, unit } = quantities[name];
+    lines.push(`${name}: ${inOne(value, 1 / one)} ${unit}`.trimEnd());
   }
   return `${lines.join("\n")}\n`;
 }

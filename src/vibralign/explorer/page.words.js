@@ -17,8 +17,9 @@ function inTime(value) {
 
 /** Return the largest force of a run in words, and until when it is known. @param {Record<string, number>} results */
 function forceWords(results) {
-  const force = results.contact_force_max * scaleOf(MODEL.force, run?.values ?? state.values);
-  return `Largest force at one point: ${rounded(force)}${MODEL.units ? " N" : ""}, from this start, ${MODEL.forces_known}.`;
+  const one = scaleOf(MODEL.force, run?.values ?? state.values), unit = MODEL.units ? " N" : "";
+  const tips = MODEL.interface.shape === "round" ? `, at each tip ${rounded(0.5 * results.edge_force_max * one)}${unit}` : "";
+  return `Largest force at one place: ${rounded(results.contact_force_max * one)}${unit}${tips}, from this start, ${MODEL.forces_known}.`;
 }
 
 /** @param {number} value in units of 1/p */

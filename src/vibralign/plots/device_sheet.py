@@ -12,15 +12,18 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon, Rectangle
 
+from model.physics.geometry import resting_height
+from model.physics.parameters import constants_of
 from model.runs.simulate import Trajectory
 from vibralign.answers.si import display, quantity_of
 from vibralign.device import StatedDevice
 from vibralign.device.base import BASE
+from vibralign.device.mouth import MOUTH
 from vibralign.device.stated import unit_of
 from vibralign.plots import style
 from vibralign.plots.history import trajectory
 from vibralign.plots.maps import stability_map
-from vibralign.plots.pose import resting_pose
+from vibralign.plots.pose import Pose
 from vibralign.plots.templates import templates
 
 MODEL_LIMITS = (
@@ -81,8 +84,9 @@ def _picture(figure: Figure) -> str:
 
 def _quantities(stated: StatedDevice) -> list[tuple[str, str, str]]:
     rows = []
-    base = {name: value for name, value in stated.quantities.items() if name in BASE}
-    for name, value in {**stated.resolved({}), **base}.items():
+    named = {*stated.resolved({}), *MOUTH, *BASE}
+    shown = {**stated.values, **stated.quantities}
+    for name, value in ((name, each) for name, each in shown.items() if name in named):
         unit, one = display(value, quantity_of(name))
         unit = unit or unit_of(name).replace("1", "")
         tolerance = stated.tolerances.get(name)
@@ -95,9 +99,10 @@ def _quantities(stated: StatedDevice) -> list[tuple[str, str, str]]:
 
 
 def _drawing(stated: StatedDevice) -> Figure:
-    """Draw the part beside the hole at the start, to scale, with its tilt enlarged."""
+    """Draw the part beside the hole at the start, to scale, and where misalignment is measured."""
     device = stated.device
-    pose = resting_pose(device.parameters)
+    p = constants_of(device.parameters, stated.shape)
+    pose = Pose(p.misalignment, resting_height(p), p.initial_tilt, p)
     length = 1e3 * device.units.amplitude
     corners = length * np.array(pose.corners())
     edge = length * device.parameters.slot_half_width
@@ -110,6 +115,10 @@ def _drawing(stated: StatedDevice) -> Figure:
     axes.add_patch(Rectangle((edge, -depth), 1.5 * width, depth, **look))
     axes.add_patch(Polygon(corners, closed=True, facecolor="#BFD9EA", edgecolor=style.BLUE))
     axes.plot([0, 0], [-depth, corners[:, 1].max()], color=style.GREY, linestyle="-.", lw=0.6)
+    middle, down = 1e3 * stated.quantities["misalignment"], -0.5 * depth
+    axes.plot([0, middle], [down, down], color=style.VERMILLION, marker="|", lw=0.8)
+    label = f"misalignment {middle:.3g} mm"
+    axes.annotate(label, (middle, down), (4, 0), "data", textcoords="offset points", fontsize=6)
     axes.set_aspect("equal")
     axes.grid(visible=False)
     axes.set_xlabel("mm")

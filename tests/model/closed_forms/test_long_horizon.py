@@ -9,7 +9,7 @@ from math import pi
 import numpy as np
 import pytest
 
-from benchmarks.problems import last_state
+from verification.bench.problems import last_state
 from vibralign import Batch, Outcome, Settings
 
 

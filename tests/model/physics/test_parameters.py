@@ -11,15 +11,15 @@ from vibralign import Batch, Parameters, Variants
 
 POSITIVE = ["half_width", "half_height", "clearance", "inertia", "contact_stiffness"]
 NOT_NEGATIVE = [
-    "misalignment", "lateral_stiffness", "tilt_stiffness", "lateral_damping", "axial_damping",
-    "tilt_damping", "contact_damping", "friction", "frequency",
+    "lateral_stiffness", "tilt_stiffness", "lateral_damping", "axial_damping", "tilt_damping",
+    "contact_damping", "friction", "frequency",
 ]  # fmt: skip
 ANY_SIGN = ["initial_tilt", "press_force", "phase", "rest_x", "rest_y", "rest_tilt"]
 
 
 def test_the_table_names_every_parameter_of_the_dataclass():
     assert set(PARAMETER_NAMES) == {field.name for field in dataclasses.fields(Parameters)}
-    assert set(POSITIVE + NOT_NEGATIVE + ANY_SIGN) == set(PARAMETER_NAMES)
+    assert {*POSITIVE, *NOT_NEGATIVE, *ANY_SIGN, "misalignment"} == set(PARAMETER_NAMES)
     assert len({field.symbol for field in FIELDS.values()}) == len(FIELDS)
 
 
@@ -73,6 +73,16 @@ def test_a_part_wholly_beside_the_slot_is_refused(device):
     assert device.replace(misalignment=limit * (1 - 1e-12)).misalignment < limit
     with pytest.raises(ValueError, match=r"misalignment = .*half_width \* \(2 \+ clearance\)"):
         device.replace(misalignment=limit)
+
+
+def test_the_mass_centre_may_stand_left_of_the_middle_if_the_face_does_not(device):
+    # The face of a part that is tilted by φ has its middle at x + b sin φ.
+    tilted, out = device.replace(initial_tilt=0.02), 0.999 * device.half_height * math.sin(0.02)
+    assert tilted.replace(misalignment=-out).misalignment == -out
+    for wrong in (tilted.replace, lambda **changes: Batch.of(tilted, **changes)):
+        far = -1.01 * out / 0.999
+        with pytest.raises(ValueError, match=r"misalignment.*= -.*half_height \* sin"):
+            wrong(misalignment=far if wrong == tilted.replace else [far])
 
 
 def test_a_misspelt_name_is_refused_with_the_nearest_and_all_valid_ones(device):

@@ -337,8 +337,9 @@ def test_the_press_has_no_lever_at_the_largest_misalignment(p, tilt):
 
 
 def test_the_doubt_of_the_lever_is_the_overlap_of_the_rims(p):
-    """Rims that overlap by the depth d do so over a length of a d / x, beside the lever."""
-    soft = p._replace(misalignment=0.3, press_force=2.0, contact_stiffness=3000.0)
+    """Rims that overlap by the depth d do so over a length of a d / x, x the face's middle."""
+    down = p.half_height * sin(p.initial_tilt)
+    soft = p._replace(misalignment=0.3 - down, press_force=2.0, contact_stiffness=3000.0)
     gap, x = p.slot_half_width**2 - p.half_width**2, 0.3
     lever, depth = (gap - x * x) / (2.0 * x), 3.0 / 3000.0
     assert lever_doubt(soft) == pytest.approx(p.half_width * depth / x / lever, rel=EXACT)

@@ -9,9 +9,19 @@ import pytest
 
 from model.sweeps.settings import Ensemble
 from model.sweeps.starts import every_start, starts_of
-from vibralign import Batch, Settings, simulate
+from vibralign import Settings, simulate
 from vibralign.answers.assess import Assessment, BaseVerdict, assess, impact_speed
-from vibralign.answers.leeways import FINEST, STEP, STEPS, VARIED, a_step_inside, leeways, nearest
+from vibralign.answers.cases import cases_of
+from vibralign.answers.leeways import (
+    ADDED,
+    FINEST,
+    STEP,
+    STEPS,
+    VARIED,
+    a_step_inside,
+    leeways,
+    nearest,
+)
 from vibralign.answers.reliability import are_reliable, reliable_at, run_devices
 from vibralign.device import load_device
 from vibralign.device.batches import devices_of
@@ -170,7 +180,7 @@ def test_a_device_in_si_units_is_varied_in_all_of_them_as_set_does():
         return np.ones(len(next(iter(values.values()))), dtype=bool)
 
     found = {each.parameter: each for each in leeways(stated, is_reliable)}
-    assert set(found) == {"mass", "axial_stiffness", "amplitude", *VARIED}
+    assert set(found) == {"mass", "axial_stiffness", "amplitude", *VARIED, *ADDED}
     for name in SI:
         assert found[name].value == stated.quantities[name]
         assert found[name].high == pytest.approx(4.0 * stated.quantities[name])
@@ -189,11 +199,13 @@ def test_the_nearest_amplitude_is_found_and_holds():
     found = assess(stated, COARSE, ENSEMBLE)
     [near] = [each for each in found.nearest if each.parameter == "amplitude"]
     assert near.above is not None
-    starts = starts_of(stated.parameters, ENSEMBLE)
     for amplitude, goes_in in ((near.above, True), (near.above / (1.0 + FINEST), False)):
         changed = load_device(PEG, changes | {"amplitude": amplitude})
-        runs = every_start(Batch.stack([changed.parameters]), starts, COARSE)
-        assert runs["goes_in"].all() == goes_in
+        own, cases = (
+            {"friction": np.array([changed.values["friction"]])},
+            cases_of(changed, ENSEMBLE),
+        )
+        assert are_reliable(changed, own, cases, COARSE)[0] == goes_in
 
 
 def test_a_horizon_in_seconds_holds_for_devices_of_any_mass():

@@ -20,7 +20,7 @@ from vibralign.device.amounts import Tolerance
 
 PEG = Path(__file__).resolve().parents[2] / "square" / "peg.yaml"
 COARSE = Settings(horizon=60.0, tolerance=1e-6)
-STARTS = [{"phase": phase, "initial_tilt": 0.001} for phase in (0.0, 2.0, 4.0)]
+STARTS = [{"phase": phase, "gripper_tilt": 0.001} for phase in (0.0, 2.0, 4.0)]
 MEASURE = {name: 2 + place for place, name in enumerate(MEASURES)}  # in the results of a setting
 FREE = {"press_force": (4.0, 24.0), "tilt_stiffness": (0.1, 0.9)}
 

@@ -11,12 +11,14 @@ from model.events.outcomes import Outcome
 from model.sweeps.axes import Axis
 from model.sweeps.io import DatasetError, read_chunks, write_dataset
 from model.sweeps.settings import Ensemble, RunSettings
-from model.sweeps.starts import every_start, starts_of
+from model.sweeps.starts import starts_of
 from model.sweeps.sweep import Sweep, margin_of, merge, run
 from study.config import load_study, study_path
 from study.plans import sweep_of
-from vibralign import Batch, align
+from vibralign import align
+from vibralign.answers.cases import cases_of
 from vibralign.answers.maps import QuantityAxis, map_of
+from vibralign.answers.reliability import from_every_start
 from vibralign.device import load_device
 
 PEG = Path(__file__).parents[2] / "square" / "peg.yaml"
@@ -130,9 +132,10 @@ def test_a_map_of_a_device_runs_its_devices_from_every_start():
     found = merge(sweep, "title", [run(sweep)])
     assert found["start_tau_align"].attrs["units"] == "s"
     for row, column in np.ndindex(2, 2):
-        one = peg.at({"mass": x.values[column], "tilt_damping_ratio": y.values[row]})
-        starts, batch = starts_of(peg.parameters, ENSEMBLE), Batch.stack([one.parameters])
-        runs = every_start(batch, starts, SETTINGS.settings)
+        one = peg.changed(mass=x.values[column], tilt_damping_ratio=y.values[row])
+        cases = [each for each in cases_of(one, ENSEMBLE) if np.isnan(each["level"])]
+        own = {"friction": np.array([one.values["friction"]])}
+        runs, _ = from_every_start(one, own, cases, SETTINGS.settings)
         outcome = found["start_outcome"].values[row, column].ravel()
         np.testing.assert_array_equal(outcome, runs["outcome"][0])
         seconds = found["start_tau_align"].values[row, column].ravel()

@@ -11,7 +11,7 @@ from vibralign.answers.yields import yield_of
 from vibralign.device import load_device
 
 DEVICES = Path(__file__).resolve().parents[3] / "docs" / "devices"
-STARTS = [{"phase": phase, "initial_tilt": 0.001} for phase in (0.0, 1.6, 3.1, 4.7)]
+STARTS = [{"phase": phase, "gripper_tilt": 0.001} for phase in (0.0, 1.6, 3.1, 4.7)]
 QUICK = Settings(shape="round", horizon=150.0, tolerance=1e-6)
 
 

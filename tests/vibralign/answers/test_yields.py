@@ -23,7 +23,7 @@ from vibralign.device import Tolerance, load_device
 
 PEG = Path(__file__).resolve().parents[2] / "square" / "peg.yaml"
 COARSE = Settings(horizon=60.0, tolerance=1e-6)
-STARTS = [{"phase": phase, "initial_tilt": 0.001} for phase in (0.0, 2.0, 4.0)]
+STARTS = [{"phase": phase, "gripper_tilt": 0.001} for phase in (0.0, 2.0, 4.0)]
 
 
 def peg(**tolerances):

@@ -48,12 +48,12 @@ def test_a_device_in_si_units_is_assessed_in_si_units(capsys, monkeypatch):
     assert lines[0] == f"device          {PEG}, with contact_stiffness=300 kN/m"
     words = "verdict         reliable at the stated values; no tolerances are stated"
     assert lines[1] == words
-    assert lines[2].split() == ["starts", "goes", "in", "from", "32", "of", "32", "starts"]
+    assert lines[2].split() == ["starts", "goes", "in", "from", "48", "of", "48", "starts"]
     assert re.fullmatch(r"alignment time  [\d.]+ to [\d.]+ ms, by the start", lines[3])
     assert re.fullmatch(r"inserted after  [\d.]+ to [\d.]+ ms", lines[4])
     assert re.match(r"lift-offs       0 to 1; touches down at up to [\d.]+ mm/s", lines[5])
     assert re.fullmatch(r"at most +contact force [\d.]+ N, tilt .*, over all starts", lines[6])
-    places = r"edge [\d.]+ N, corner 0 N, side [\d.]+ N, wall [\d.]+ N, until inserted"
+    places = r"edge [\d.]+ N, corner [\d.]+ N, side [\d.]+ N, wall [\d.]+ N, until inserted"
     assert re.fullmatch(rf"  of the force  {places}", lines[7])
     force = next(line for line in lines if line.startswith("  press_force"))
     assert force.endswith("its value 10 N")
@@ -85,7 +85,7 @@ def test_a_failing_start_is_named_with_a_remedy(capsys):
     lines = said(
         capsys, *COARSE, "--set", "tilt_stiffness=2", "--set", "press_force=8"
     ).splitlines()
-    assert lines[0] == "device          the study's, dimensionless (no --device)"
+    assert lines[0] == "device          the paper's, dimensionless (no --device)"
     assert lines[1].startswith("verdict         not reliable at the stated values; ")
     assert lines[2] == "starts          goes in from 0 of 32 starts"
     example = next(i for i, line in enumerate(lines) if line.startswith("for example"))
@@ -104,7 +104,7 @@ def test_the_yield_of_a_device_that_goes_in_from_no_start_is_said_by_few_devices
     share = "yield 0 % (0 % to 1.478 %, 95 % confidence)"
     words = f"not reliable at the stated values; {share} under the tolerances"
     assert lines[1] == f"verdict         {words}"
-    assert lines[2] == "starts          goes in from 0 of 32 starts"
+    assert lines[2] == "starts          goes in from 0 of 48 starts"
     end = lines.index("assumed:")
     assert lines[end + 8].startswith("  tolerances  as stated: ")
     lines = lines[:end]

@@ -15,7 +15,7 @@ PEG = str(Path(__file__).parents[2] / "square" / "peg.yaml")
 @pytest.fixture
 def engines(monkeypatch: pytest.MonkeyPatch) -> None:
     """Engines that are not compiled."""
-    monkeypatch.setattr(in_browser, "modules", lambda _: Modules(b"one", b"many", interface()))
+    monkeypatch.setattr(in_browser, "modules", lambda *_: Modules(b"one", b"many", interface()))
 
 
 def model_in(page: Path) -> dict:

@@ -20,6 +20,7 @@ from study.config import load_study, study_path
 from vibralign.commands import main as cli
 from vibralign.commands import simulate as simulate_command
 from vibralign.device import load_device
+from vibralign.device.mouth import MOUTH
 from vibralign.device.paper import baseline
 
 ALIGNING = ["simulate", "--set", "press_force=2", "--set", "tilt_stiffness=10"]
@@ -197,7 +198,9 @@ def test_plot_writes_a_picture(capsys, tmp_path, suffix, head):
 
 def test_help_lists_every_parameter_with_symbol_baseline_and_meaning(capsys):
     assert cli.main(["simulate", "--help"]) == cli.DONE
-    rows = {line.split()[0]: line for line in capsys.readouterr().out.splitlines() if line.strip()}
+    said, _, of_devices = capsys.readouterr().out.partition("what a file for --device states")
+    assert all(f"  {name} " in of_devices for name in MOUTH)
+    rows = {line.split()[0]: line for line in said.splitlines() if line.strip()}
     for name, field in FIELDS.items():
         value = getattr(baseline(), name)
         shown = f"as {field.derived}" if value is None else f"{value:g}"
@@ -241,9 +244,9 @@ def test_a_device_file_gives_results_in_si_units(capsys):
     said = capsys.readouterr().out
     time = re.search(r"alignment time +(\S+) ms\n", said)
     assert float(time[1]) == pytest.approx(1e3 * si["alignment_time_s"], rel=1e-3)
-    assert re.search(r"largest normal force at one point, from this start +20 N\n", said)
+    assert re.search(r"largest normal force at one place, from this start +19.99 N\n", said)
     words = (
-        "edge 20 N, corner 0 N, side 0 N, wall 0 N, until alignment: --scene insertion for those"
+        "edge 19.99 N, corner 0 N, side 0 N, wall 0 N, until alignment: --scene insertion for those"
     )
     assert re.search(rf"  of the force +{words} in the hole\n", said)
     assert re.search(r"touch-down +one start, at phase 0 rad .*; vibralign assess takes all", said)

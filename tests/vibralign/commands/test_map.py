@@ -141,10 +141,10 @@ def test_an_axis_may_begin_below_zero(tmp_path, capsys):
     out = tmp_path / "map.nc"
     few = ["--resolution", "2", "--horizon", "1 ms", "--out", str(out)]
     for given in (["-5deg", "5deg"], ["-5..5 deg"], ["-5..5", "deg"], ["−5deg", "5deg"]):
-        plane = ["--x", "initial_tilt", *given, "--y", "amplitude", "1 mm p-p", "2 mm p-p"]
+        plane = ["--x", "gripper_tilt", *given, "--y", "amplitude", "1 mm p-p", "2 mm p-p"]
         assert cli.main(["map", "--device", PEG, *plane, *few]) == cli.DONE
         with xr.open_dataset(out) as stored:
-            np.testing.assert_allclose(stored["initial_tilt"], np.radians([-5.0, 5.0]))
+            np.testing.assert_allclose(stored["gripper_tilt"], np.radians([-5.0, 5.0]))
             np.testing.assert_allclose(stored["amplitude"], [5e-4, 1e-3])
     capsys.readouterr()
     assert cli.main(["simulate", "--horizon", "-1e-3"]) == cli.REFUSED

@@ -127,7 +127,7 @@ def test_a_device_that_makes_no_sense_is_refused(changes, words):
         ({"friction": "0.2 ± 0.3"}, "friction = 0.2 ± 0.3: the tolerance reaches below 0"),
         ({"axial_damping": 0.07}, "if 0.07 is the ratio, write axial_damping_ratio"),
         ({"tilt_stiffness": 500}, "a natural frequency of 531 Hz, the axial one is 15.9 Hz"),
-        ({"initial_tilt": 1}, "initial_tilt = 1 rad is 57.3°: write 1 deg if it is in degrees"),
+        ({"gripper_tilt": 0.6, "misalignment": "2 mm"}, "gripper_tilt = 0.6 rad is 34.38°: write"),
         ({"contact_stiffness": "20 GN/m"}, "more than steel of this size has"),
     ],
 )

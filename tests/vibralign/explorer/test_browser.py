@@ -303,7 +303,7 @@ def test_every_control_has_a_name(page):
 
 def test_a_run_as_a_page(started, tmp_path):
     parameters, settings = STUDY.parameters("fig05"), STUDY.settings.settings
-    model = device_model(parameters, None, "", settings, interface())
+    model = device_model(parameters.given(), None, "", settings, interface())
     file = tmp_path / "run.html"
     file.write_text(run_page(model, trace_run(parameters, settings)), encoding="utf-8")
     started.errors.clear()

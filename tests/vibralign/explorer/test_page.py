@@ -88,9 +88,9 @@ def test_text_cannot_end_the_script_that_holds_it() -> None:
 
 
 def test_a_device_has_its_own_units() -> None:
-    units, device = load_device(PEG, {}).device
+    device = load_device(PEG, {})
     settings = STUDY.settings.settings
-    model = device_model(device, units, "peg.yaml", settings, INTERFACE)
+    model = device_model(device.values, device.units, "peg.yaml", settings, INTERFACE)
     by_name = {each["name"]: each for each in model["parameters"]}
     force = by_name["press_force"]
     assert model["baseline"]["press_force"] == pytest.approx(10.0)
@@ -99,7 +99,7 @@ def test_a_device_has_its_own_units() -> None:
     assert [by_name["half_width"]["unit"], by_name["half_width"]["one"]] == ["mm", 1e-3]
     assert force in model["parameters"][: len(FIRST)]
     assert model["time"]["si"] == "s"
-    assert model["baseline"]["amplitude"] == units.amplitude
+    assert model["baseline"]["amplitude"] == device.quantities["amplitude"]
 
 
 def test_stored_maps_hold_duration_in_steps_and_what_is_reliable(tmp_path: Path) -> None:
@@ -127,7 +127,7 @@ def test_a_run_page_holds_its_track_and_no_engine(rows: int) -> None:
     track[:, 0] = np.arange(rows)
     track[rows - 3, COLUMNS.index("event")] = 1.0
     results = dict.fromkeys(INTERFACE["results"], 1.0) | {"tau_align": np.nan, "tracked": rows}
-    model = device_model(STUDY.baseline, None, "", Settings(), INTERFACE)
+    model = device_model(STUDY.baseline.given(), None, "", Settings(), INTERFACE)
     found = model_in(run_page(model, Trace(results, track)))
     assert "modules" not in found
     assert found["run"]["results"]["tau_align"] is None

@@ -4,7 +4,6 @@ import re
 from pathlib import Path
 
 from model.runs.settings import Settings
-from study.config import load_study, study_path
 from vibralign.commands import sheet
 from vibralign.device import load_device
 
@@ -19,14 +18,13 @@ GROUPS = {
 
 def test_a_sheet_is_self_contained_and_has_the_same_bytes(tmp_path, monkeypatch):
     monkeypatch.setattr(sheet, "_COUNT", 9)
-    study = load_study(study_path())
     stated, settings = (
         load_device(PEG, {"press_force": "12 N"}),
         Settings(horizon=40.0, tolerance=1e-6),
     )
     pages = []
     for name in ("one.html", "two.html"):
-        sheet.write_sheet(tmp_path / name, stated, VERDICT, GROUPS, study, settings)
+        sheet.write_sheet(tmp_path / name, stated, VERDICT, GROUPS, settings)
         pages.append((tmp_path / name).read_bytes())
     assert pages[0] == pages[1]
     page = pages[0].decode()

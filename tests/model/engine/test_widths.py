@@ -1,0 +1,60 @@
+"""The width of vectors changes no result, and is refused if it is none."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+from model.compile.machine_code import floats_in_a_vector
+from model.compile.vector_code import WIDTH, WIDTHS
+
+PROGRAM = """\
+import hashlib
+from dataclasses import replace
+
+import numpy as np
+
+from model.compile.vector_code import WIDTH
+from model.runs.align import run_once
+from verification.fuzz import SCENES, draw
+
+print(WIDTH)
+for settings, laws in SCENES.values():
+    for shape in ("square", "round"):
+        found = run_once(draw(11, 0, {sets}, laws), replace(settings, shape=shape))
+        print(hashlib.sha256(np.nan_to_num(np.array([*found.values()])).tobytes()).hexdigest())
+"""
+
+
+def told(program: str, width: str, processor: str = "") -> subprocess.CompletedProcess[str]:
+    variables = {"VIBRALIGN_WIDTH": width, "VIBRALIGN_CPU": processor}
+    return subprocess.run(
+        [sys.executable, "-c", program], env={**os.environ, **variables},
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+
+
+@pytest.mark.nightly
+def test_results_are_the_same_to_the_bit_at_every_width() -> None:
+    program = PROGRAM.format(sets=int(os.environ.get("VIBRALIGN_SETS", "60")))
+    runs = [told(program, str(width)) for width in WIDTHS]
+    assert all(each.returncode == 0 for each in runs), [each.stderr for each in runs]
+    widths, *results = zip(*(each.stdout.split() for each in runs), strict=True)
+    assert [*map(int, widths)] == [*WIDTHS]
+    assert [len({*each}) for each in results] == [1] * 4
+
+
+@pytest.mark.parametrize("width", ["3", "16", "four", "-1"])
+def test_another_width_is_refused(width: str) -> None:
+    run = told("import model.compile.vector_code", width)
+    assert run.returncode == 1
+    assert f"VIBRALIGN_WIDTH = {width!r}: must be 8, 4, 2 or 1" in run.stderr
+
+
+@pytest.mark.parametrize(("processor", "width"), [("haswell", 4), ("x86-64", 2), ("znver4", 8)])
+def test_the_width_is_that_of_the_processors_vectors(processor: str, width: int) -> None:
+    pytest.importorskip("llvmlite")
+    run = told("from model.compile.vector_code import WIDTH; print(WIDTH)", "", processor)
+    assert run.stdout.split() == [str(width)]
+    assert "VIBRALIGN_WIDTH" in os.environ or floats_in_a_vector() == WIDTH

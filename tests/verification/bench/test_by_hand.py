@@ -1,0 +1,118 @@
+"""Runs with fixed steps: evaluations, ends, convergence; scipy on the same right-hand side."""
+
+from math import ceil, inf, isnan
+
+import numpy as np
+import pytest
+
+from verification.bench.methods.by_hand import outside_of, solve_by_hand
+from verification.bench.methods.scipy_unlocated import ScipyUnlocated
+from verification.bench.problems import Problem, Verdict
+from vibralign import Batch, Settings, Variants, align
+
+COST = {"rk4": 4, "semi_implicit_euler": 1}
+schemes = pytest.mark.parametrize("scheme", COST)
+
+
+def solved(case, scheme, step, **changes):
+    return solve_by_hand(Batch.stack([case]), scheme, step, Settings(**changes))
+
+
+def outside(case, solution):
+    at = np.array([0.0, *solution.states[0, 0]])
+    return outside_of(at, Batch.stack([case]).constants(Variants())[0])
+
+
+@pytest.fixture(scope="module")
+def slow(device):
+    """A device that slides only, for about five time units."""
+    return device.replace(friction=0.02, press_force=2.0, frequency=0.5, tilt_stiffness=15.0)
+
+
+@schemes
+def test_a_run_ends_with_the_step_in_which_the_part_fell(slow, scheme):
+    h = 0.01
+    run = solved(slow, scheme, h)
+    steps = ceil(run.tau_align[0] / h)
+    assert run.evaluations == COST[scheme] * steps
+    assert run.failure is None
+    # The step before, it had not: the fall lies between, where a line crosses zero.
+    earlier = solved(slow, scheme, h, horizon=(steps - 1) * h)
+    assert isnan(earlier.tau_align[0])
+    before, after = outside(slow, earlier), outside(slow, run)
+    assert before > 0.0 > after
+    time = h * (steps - 1 + before / (before - after))
+    assert run.tau_align[0] == pytest.approx(time, abs=1e-12)
+
+
+@schemes
+def test_a_part_that_has_fallen_in_at_the_start_takes_no_step(device, scheme):
+    inside = device.replace(misalignment=0.01)
+    run = solved(inside, scheme, 0.01)
+    assert (run.tau_align[0], run.evaluations, run.failure) == (0.0, 0, None)
+    problem = Problem("inside", (inside,), Settings())
+    assert ScipyUnlocated("RK45").solve(problem, [inside], 1e-6, inf).tau_align[0] == 0.0
+
+
+def test_scipy_takes_a_part_that_starts_beside_the_edge_for_not_fallen_yet(device):
+    edge = {"half_width": 1.0, "clearance": 0.09375, "misalignment": 0.09375, "initial_tilt": 0.0}
+    beside = device.replace(**edge)
+    problem = Problem("beside", (beside,), Settings(horizon=0.1))
+    run = ScipyUnlocated("DOP853").solve(problem, [beside], 1e-8, inf)
+    assert isnan(run.tau_align[0])
+    assert run.failure is None
+
+
+@schemes
+def test_they_converge_to_the_time_with_event_location(device, scheme):
+    bouncing = device.replace(press_force=1.1)
+    located = align([bouncing], tolerance=1e-12)
+    assert located.separations[0] > 5, "events of every kind lie on the way"
+    true = located.tau_align[0]
+    errors = [abs(solved(bouncing, scheme, h).tau_align[0] - true) for h in (2e-2, 1e-4)]
+    # First order at best, of a motion whose velocities are of order 1.
+    assert errors[1] < 0.05
+    assert errors[1] < 0.1 * errors[0]
+
+
+@schemes
+def test_a_run_ends_at_the_horizon_or_when_its_evaluations_are_spent(slow, scheme):
+    at_horizon = solved(slow, scheme, 0.003, horizon=1.0)
+    assert at_horizon.evaluations == COST[scheme] * 334  # the last step is shorter
+    assert at_horizon.failure is None
+    assert isnan(at_horizon.tau_align[0])
+    spent = solved(slow, scheme, 1e-6, horizon=1.0, max_evaluations=50)
+    assert spent.failure is Verdict.TOO_MANY_EVALUATIONS
+    assert 40 <= spent.evaluations <= 50
+
+
+def test_a_part_that_leaves_the_edge_or_turns_over_does_not_align(device):
+    # From 160 on, Fig. 6's hard pressed parts turn over; the located run says so too.
+    hard = device.replace(press_force=9.9, tilt_stiffness=5.0)
+    run = solved(hard, "rk4", 1e-3)
+    assert isnan(run.tau_align[0])
+    assert run.failure is None
+    assert run.evaluations < 4 * 300.0 / 1e-3
+
+
+def test_a_batch_is_its_runs_one_by_one(device):
+    batch = Batch.of(device, press_force=[1.0, 2.0, 3.0])
+    together = solve_by_hand(batch, "rk4", 1e-3, Settings())
+    alone = [solved(batch[row], "rk4", 1e-3) for row in range(len(batch))]
+    assert together.tau_align.tolist() == [each.tau_align[0] for each in alone]
+    assert together.evaluations == sum(each.evaluations for each in alone)
+    np.testing.assert_array_equal(together.states, np.concatenate([each.states for each in alone]))
+
+
+def test_scipy_gets_the_same_problem_and_locates_the_fall(slow):
+    problem = Problem("slow", (slow,), Settings(horizon=20.0))
+    found = ScipyUnlocated("RK45").solve(problem, problem.cases, 1e-8, inf)
+    assert found.tau_align[0] == pytest.approx(align([slow]).tau_align[0], abs=1e-4)
+    assert abs(outside(slow, found)) < 1e-8
+    at_once = Problem("slow", (slow,), problem.settings, interpreted_evaluations=0)
+    stopped = ScipyUnlocated("RK45").solve(at_once, problem.cases, 1e-8, inf)
+    assert stopped.failure is Verdict.TOO_MANY_EVALUATIONS
+    start = stopped.states[0, 0]
+    assert start[0] == slow.misalignment
+    assert start[2] == slow.initial_tilt
+    assert np.all(start[3:] == 0.0)

@@ -1,0 +1,294 @@
+"""Error against cost: cases and their truths, errors, settings, times."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from model.events.outcomes import Outcome
+from model.physics.parameters import Parameters
+from model.runs.simulate import simulate
+from study.config import load_study, study_path
+from verification.bench import work_precision
+from verification.bench.methods import METHODS
+from verification.bench.methods.package import Package
+from verification.bench.plans import CasePlan, PrecisionPlan, precision_plan
+from verification.bench.problems import Floats, Solution, Verdict
+from verification.bench.work_precision import (
+    Setting,
+    Truth,
+    cpu_microseconds,
+    error_of,
+    least_batch,
+    measured,
+    methods_for,
+    problem_of,
+    read_settings,
+    table_of,
+    true_run,
+)
+from verification.independent import solve
+
+STATE = np.zeros(6)
+
+# Cases of a device of their own, so that another device of the study changes no number below.
+DEVICE = {
+    "half_width": 0.8891, "half_height": 4.067, "inertia": 5.863, "lateral_stiffness": 0.359,
+    "lateral_damping": 0.1073, "axial_damping": 0.1553, "tilt_damping": 0.2513,
+}  # fmt: skip
+POINTS = {
+    "aligned": (0.5729, 2.0, 0.02, 21.59),
+    "sticking": (0.5729, 3.0, 0.25, 21.59),
+    "bouncing": (12.0, 1.738, 0.1858, 3.0),
+    "never_aligning": (0.5729, 1.0, 0.3, 21.59),
+}
+HARD = ("base_10000_10000", "no_friction")
+NAMES = ("frequency", "press_force", "friction", "tilt_stiffness")
+
+
+def ended(tau: float, state: Floats, evaluations: int, failure: Verdict | None = None) -> Solution:
+    return Solution(np.array([tau]), state.reshape(1, 1, 6), evaluations, failure)
+
+
+@pytest.fixture(scope="module")
+def plan() -> PrecisionPlan:
+    full = precision_plan(load_study(study_path()))
+    ladder = full.cases["aligned"].ladder.model_copy(
+        update={
+            "tolerances": [1e-4, 1e-7],
+            "steps": [0.01, 0.001, 0.0001],
+            "max_evaluations": 25_000,
+            "max_evaluations_scipy": 2_000,
+        }
+    )
+    cases = {
+        name: CasePlan(
+            parameters=full.cases["aligned"].parameters
+            | DEVICE
+            | dict(zip(NAMES, point, strict=True)),
+            until=30.0,
+            ladder=ladder,
+        )
+        for name, point in POINTS.items()
+    }
+    hard = {name: full.cases[name] for name in HARD}
+    return full.model_copy(update={"cases": cases | hard})
+
+
+@pytest.fixture(scope="module")
+def truths(plan: PrecisionPlan) -> dict[str, Truth]:
+    return {name: true_run(plan, name) for name in plan.cases}
+
+
+def test_the_cases_of_the_study_are_of_the_kinds_they_stand_for() -> None:
+    plan = precision_plan(load_study(study_path()))
+    problems = [problem_of(plan, name) for name in POINTS]
+    aligned, sticking, bouncing, never = (
+        simulate(each.cases[0], each.settings, tolerance=1e-10) for each in problems
+    )
+    assert (aligned.separations, sticking.separations) == (0, 0)
+    assert aligned.sticking_share == 0.0
+    assert sticking.sticking_share > 0.75
+    assert bouncing.separations > 5
+    assert never.outcome == Outcome.HORIZON_REACHED
+    assert never.separations > 1
+    for each in (aligned, sticking, bouncing):
+        assert each.outcome == Outcome.ALIGNED
+        assert each.sensitive == 0
+
+
+def test_every_stiffness_meets_every_damping_and_scipys_limit_is_that_of_all_on_its_cases() -> None:
+    study = load_study(study_path())
+    plan, hard = precision_plan(study), study.precision.hard
+    bases = len(hard.base.stiffness) * len(hard.base.damping)
+    assert len(plan.cases) == len(POINTS) + bases + len(hard.cases)
+    parameters = plan.cases["base_10000_0"].parameters
+    assert (parameters["contact_stiffness"], parameters["contact_damping"]) == (1e4, 0.0)
+    for name in hard.every_method:
+        ladder = plan.cases[name].ladder
+        assert ladder.max_evaluations == ladder.max_evaluations_scipy
+        assert methods_for(plan.cases[name]) == list(METHODS)
+    assert plan.cases["unloaded"].ladder.max_evaluations == hard.ladder.max_evaluations
+    assert not any(METHODS[each].package == "scipy" for each in methods_for(plan.cases["unloaded"]))
+    assert plan.cases["many_lift_offs"].ladder.max_evaluations == 4_000_000
+
+
+def test_located_methods_are_accurate_where_long_steps_are_not(
+    plan: PrecisionPlan, truths: dict[str, Truth]
+) -> None:
+    truth = truths["base_10000_10000"]
+    assert truth.uncertainty < 1e-7
+    case = plan.cases["base_10000_10000"]
+    ladder = case.ladder.model_copy(update={"steps": [0.001]})
+    case = case.model_copy(update={"ladder": ladder})
+    plan = plan.model_copy(update={"cases": {"base_10000_10000": case}})
+    first = {
+        method: next(measured(plan, "base_10000_10000", method, truth))
+        for method in methods_for(plan.cases["base_10000_10000"])
+    }
+    assert first["dop853_located"].error < 1e-7 > first["batch_located"].error
+    # h_a h = 10: far outside the region in which RK4 and Euler are stable.
+    assert not first["rk4_fixed"].error < 1e-2
+    assert not first["semi_implicit_euler_fixed"].error < 1e-2
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_every_method_comes_near_the_truth_where_the_motion_is_smooth(
+    plan: PrecisionPlan, truths: dict[str, Truth], method: str
+) -> None:
+    settings = list(measured(plan, "aligned", method, truths["aligned"]))
+    assert settings[0].verdict == Verdict.RIGHT_OUTCOME
+    assert settings[0].error < 0.1
+    if METHODS[method].located:
+        assert settings[-1].error < 1e-5
+    assert [setting.resolution for setting in settings] == sorted(
+        (setting.resolution for setting in settings), reverse=True
+    )
+
+
+def test_a_ladder_ends_at_the_first_setting_that_costs_too_much(
+    plan: PrecisionPlan, truths: dict[str, Truth]
+) -> None:
+    settings = list(measured(plan, "bouncing", "rk4_fixed", truths["bouncing"]))
+    assert [setting.resolution for setting in settings] == [0.01, 0.001]
+    assert settings[0].rhs_evaluations == pytest.approx(4 * 8.01 / 0.01, rel=0.01)
+    assert [setting.verdict for setting in settings] == [
+        Verdict.RIGHT_OUTCOME, Verdict.TOO_MANY_EVALUATIONS,
+    ]  # fmt: skip
+    (only,) = measured(plan, "sticking", "scipy_rk45", truths["sticking"])
+    assert only.verdict == Verdict.TOO_MANY_EVALUATIONS
+    assert only.rhs_evaluations == 2_001
+    assert math.isnan(only.error)
+
+
+@pytest.mark.parametrize(
+    ("outcome", "uncertainty"), [(Outcome.LEFT_SCENE, 1e-9), (Outcome.HORIZON_REACHED, 0.5)]
+)
+def test_an_error_is_unknown_where_the_part_leaves_or_two_true_runs_differ(
+    outcome: Outcome, uncertainty: float
+) -> None:
+    truth = Truth(outcome, math.nan, 30.0, STATE, uncertainty, 3)
+    error, verdict = error_of(ended(math.nan, STATE + 1.0, 1), truth)
+    assert math.isnan(error)
+    assert verdict == Verdict.RIGHT_OUTCOME
+    assert error_of(ended(3.0, STATE, 1), truth)[1] == Verdict.WRONG_OUTCOME
+
+
+def test_a_truth_is_the_independent_solution_beside_the_engines_run(
+    plan: PrecisionPlan, truths: dict[str, Truth]
+) -> None:
+    for name in ("aligned", "bouncing"):
+        case, truth = plan.cases[name], truths[name]
+        parameters = Parameters(**case.parameters)  # type: ignore[arg-type]
+        assert truth.tau_align == solve(parameters, case.until).tau
+        run = simulate(parameters, tolerance=1e-13)
+        assert truth.uncertainty == pytest.approx(abs(run.tau_align - truth.tau_align), abs=1e-13)
+        assert 0.0 < truth.uncertainty < 1e-10
+    assert truths["never_aligning"].end == plan.cases["never_aligning"].until
+    assert 0.0 < truths["never_aligning"].uncertainty < 1e-5
+    assert not plan.cases["base_10000_10000"].independent
+
+
+def test_without_the_independent_solution_a_truth_is_known_by_a_coarser_run(
+    plan: PrecisionPlan, truths: dict[str, Truth]
+) -> None:
+    alone = plan.cases["aligned"].model_copy(update={"independent": False})
+    printed = {"settings": plan.settings.model_copy(update={"start": "pressed"})}
+    for other in (plan.model_copy(update={"cases": {"aligned": alone}}),
+                  plan.model_copy(update=printed)):  # fmt: skip
+        assert true_run(other, "aligned").tau_align != truths["aligned"].tau_align
+    assert true_run(plan.model_copy(update={"cases": {"aligned": alone}}), "aligned").end == (
+        pytest.approx(truths["aligned"].end, abs=1e-10)
+    )
+
+
+def test_steps_are_chosen_for_the_evaluations_allowed(
+    plan: PrecisionPlan, truths: dict[str, Truth]
+) -> None:
+    ladder = plan.cases["aligned"].ladder.model_copy(update={"steps": None})
+    cases = {name: plan.cases[name].model_copy(update={"ladder": ladder}) for name in POINTS}
+    for name in ("aligned", "never_aligning"):
+        for method in ("rk4_fixed", "semi_implicit_euler_fixed"):
+            own = plan.model_copy(update={"cases": cases})
+            settings = list(measured(own, name, method, truths[name]))
+            spent = [each.rhs_evaluations / ladder.max_evaluations for each in settings]
+            assert spent[1:] == pytest.approx([0.1, 0.95], rel=0.1)
+            assert spent[0] < 0.011  # with steps so long that it leaves
+            assert settings[-1].verdict != Verdict.TOO_MANY_EVALUATIONS
+
+
+def test_an_error_is_that_of_the_time_or_of_the_state(truths: dict[str, Truth]) -> None:
+    aligned, never = truths["aligned"], truths["never_aligning"]
+    late = ended(aligned.tau_align + 0.25, STATE, 10)
+    assert error_of(late, aligned) == (pytest.approx(0.25), Verdict.RIGHT_OUTCOME)
+    exact, _ = error_of(ended(aligned.tau_align, STATE, 10), aligned)
+    assert 0.0 < exact < 1e-14, "no error is below rounding"
+    off = never.state + np.array([0.0, 0.0, 0.1, 0.0, -0.3, 0.0])
+    assert error_of(ended(math.nan, off, 10), never) == (pytest.approx(0.3), 0)
+    for solution, truth in ((ended(math.nan, STATE, 1), aligned), (late, never)):
+        error, verdict = error_of(solution, truth)
+        assert verdict == Verdict.WRONG_OUTCOME
+        assert math.isnan(error)
+    assert error_of(ended(math.nan, STATE * math.nan, 1), never)[1] == Verdict.FAILED
+    failed = ended(aligned.tau_align, STATE, 10, Verdict.FAILED)
+    assert error_of(failed, aligned)[1] == Verdict.FAILED
+
+
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> list[float]:
+    """A clock in place of the processor's; what runs moves it."""
+    now = [0.0]
+    monkeypatch.setattr(work_precision.time, "process_time", lambda: now[0])
+    return now
+
+
+def test_a_short_run_is_timed_in_batches_and_a_long_one_once(clock: list[float]) -> None:
+    calls: list[int] = []
+
+    def takes(seconds: float):
+        def work(count: int) -> None:
+            calls.append(count)
+            clock[0] += seconds * count * (1.0 if len(calls) != 3 else 50.0)  # one disturbed batch
+
+        return work
+
+    assert cpu_microseconds(takes(1e-3)) == pytest.approx(1000.0)
+    assert calls == [1, 5, 5, 5, 5, 5]
+    calls.clear()
+    assert cpu_microseconds(takes(1.0)) == pytest.approx(1e6)
+    assert calls == [1]
+    calls.clear()
+    assert cpu_microseconds(takes(1.0), known=2.0) == pytest.approx(2e6)
+    assert calls == []
+    assert cpu_microseconds(takes(1e-4), together=16) == pytest.approx(100.0)
+    assert calls == [16, 16, 16, 16, 16, 16]
+    calls.clear()
+    assert cpu_microseconds(takes(1e-2), together=16) == pytest.approx(1e4)
+    assert calls == [16]
+
+
+def test_only_vectors_need_a_batch_where_runs_take_long() -> None:
+    in_vectors, one_by_one = Package("batch", "batch", batch=16), METHODS["dop853_located"]
+    located = in_vectors, one_by_one
+    assert [least_batch(how, 1e-3) for how in located] == [16, 16]
+    assert [least_batch(how, 0.01) for how in located] == [16, 5]
+    assert [least_batch(how, 1.0) for how in located] == [16, 1]
+    assert least_batch(METHODS["scipy_rk45"], 1e-6) == 1
+
+
+def test_settings_survive_the_disk(tmp_path: Path) -> None:
+    known = "sticking", "aligned", 1e-12, 7
+    settings = [
+        Setting(*known, "rk4_fixed", 0.01, 1.234e-3, 100, Verdict.RIGHT_OUTCOME, 12.3),
+        Setting(*known, "scipy_radau", 1e-4, math.nan, 5, Verdict.FAILED),
+    ]
+    path = tmp_path / "precision.csv"
+    path.write_text(table_of(settings, times=True), encoding="utf-8")
+    first, second = read_settings(path)
+    assert first == settings[0]
+    assert second.verdict == Verdict.FAILED
+    assert math.isnan(second.error)
+    assert math.isnan(second.microseconds)
+    path.write_text(table_of(settings, times=False), encoding="utf-8")
+    assert math.isnan(read_settings(path)[0].microseconds)

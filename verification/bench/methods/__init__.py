@@ -1,0 +1,38 @@
+"""The compared methods, with one interface for the report's sections and for ``make bench``.
+
+To add a method, write a subclass of ``base.Method``, and name it in ``METHODS`` for the report, or
+in ``peers`` for ``make bench``.
+"""
+
+from collections.abc import Mapping
+
+from model.physics.parameters import Parameters
+from model.runs.settings import Settings
+from verification.bench.methods.base import Method
+from verification.bench.methods.by_hand import FixedSteps
+from verification.bench.methods.package import BatchEngine, Package
+from verification.bench.methods.scipy_unlocated import ScipyUnlocated
+from verification.bench.problems import Problem
+
+_TOGETHER = 16  # runs that spread the cost of a call, where they are short
+
+METHODS: Mapping[str, Method] = {
+    "dop853_located": Package("DOP853, events located", "scalar", batch=_TOGETHER),
+    "batch_located": BatchEngine("batch engine, events located", batch=_TOGETHER),
+    "rk4_fixed": FixedSteps("RK4, fixed steps", "rk4"),
+    "semi_implicit_euler_fixed": FixedSteps(
+        "semi-implicit Euler, fixed steps", "semi_implicit_euler"
+    ),
+    "scipy_rk45": ScipyUnlocated("RK45"),
+    "scipy_dop853": ScipyUnlocated("DOP853"),
+    "scipy_lsoda": ScipyUnlocated("LSODA"),
+    "scipy_radau": ScipyUnlocated("Radau"),
+}
+
+
+def compile_unlocated(parameters: Parameters) -> None:
+    """Compile the kernels of the methods without event location, by short runs."""
+    problem = Problem("short", (parameters,), Settings(horizon=0.1))
+    for method in METHODS.values():
+        if not method.located:
+            method.answer(problem, 0.1)

@@ -1,0 +1,69 @@
+"""The interface of methods: a method integrates a problem at a resolution."""
+
+import contextlib
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from model.physics.parameters import Parameters
+from verification.bench.problems import Floats, Problem, Solution
+
+
+class NotReachedError(Exception):
+    """Error: a method ran out of time, failed, or met endless events."""
+
+
+class Method:
+    """One way to solve the problems.
+
+    Attributes:
+        name: name in tables and legends.
+        formulation: formulation of the problem for this method, in a few words.
+        package: distribution whose version is reported.
+        fixed: True if the resolution is the length of a step, False if it is a tolerance.
+        interpreted: True if every step runs through Python; evaluations alone then compare it.
+        stages: evaluations of a fixed step.
+        located: True if the method locates all events.
+        batch: number of trajectories in a call.
+        vectorized: True if the trajectories of a batch run in vectors.
+    """
+
+    name: str
+    formulation: str = ""
+    package: str = "vibralign"
+    fixed: bool = False
+    interpreted: bool = False
+    stages: int = 1
+    located: bool = True
+    batch: int = 1
+    vectorized: bool = False
+    _is_warm: bool = False
+
+    def solve(
+        self, problem: Problem, cases: Sequence[Parameters], resolution: float, deadline: float, /
+    ) -> Solution:
+        """Integrate the cases; this call is timed.
+
+        Raises:
+            NotReachedError: the method fails, or ``process_time`` reaches ``deadline``.
+        """
+        raise NotImplementedError
+
+    def answer(self, problem: Problem, resolution: float, deadline: float = math.inf) -> Solution:
+        """Integrate the cases of the problem to measure errors; by default as ``solve``."""
+        return self.solve(problem, problem.cases, resolution, deadline)
+
+    def warm(self, problem: Problem, resolution: float) -> None:
+        """Compile what ``solve`` needs for the problem; this call is not timed."""
+        if not self._is_warm:
+            self._is_warm = True
+            with contextlib.suppress(NotReachedError):
+                self.solve(problem, problem.cases[:1], 1e-3, math.inf)
+
+
+def typical_error(answers: Floats, truth: Floats) -> float:
+    """Return the 90th percentile of the cases' largest errors."""
+    errors = np.abs(answers - truth).max(axis=1)
+    errors[np.isnan(errors)] = np.inf
+    return float(np.quantile(errors, 0.9, method="inverted_cdf"))
