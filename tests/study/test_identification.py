@@ -34,7 +34,8 @@ def study():
 @pytest.fixture(scope="module")
 def space(study):
     found = space_of(study)
-    grids = {"coarse": TINY, "fine": TINY}
+    rough = {"fig06": 6, "fig09": 6, "fig13": 6}
+    grids = {"rough": TINY.model_copy(update={"counts": rough}), "coarse": TINY, "fine": TINY}
     problem = found.problem.model_copy(update={"grids": grids})
     return found.model_copy(update={"problem": problem})
 
