@@ -32,9 +32,10 @@ from model.engine.mode_kinds import (
 )
 from model.engine.series import GIVEN, LANE_CONSTANTS, EventQuantities
 from model.engine.series_layout import (
-    ERROR_ORDER,
     FRACTIONS,
+    LACK,
     LINES,
+    MOST_ERROR_ORDER,
     NODES,
     ORDER,
     ORDERS,
@@ -72,13 +73,16 @@ NORMAL = {FREE: OPEN, SLIDES: CLOSED, STICKS: CLOSED}
 
 
 LANES = {shape: lane_events_of(in_kernels(ALIGNMENT, shape == "round").events) for shape in SHAPES}
-crossing, enter_series, fill_series, largest_force, largest_tilt, motion, step_all = map(
+crossing, enter_series, fill_series, fill_errors = map(
     compiled,
     (
         event_search.crossing, lane_events.enter_series, series_kernels.fill_series,
-        peaks.largest_force, peaks.largest_tilt, motion_at, step.step_all,
+        series_kernels.fill_errors,
     ),
 )  # fmt: skip
+largest_force, largest_tilt, motion, step_all = map(
+    compiled, (peaks.largest_force, peaks.largest_tilt, motion_at, step.step_all)
+)
 
 
 def kind_of(support: int, side: int) -> int:
@@ -87,6 +91,19 @@ def kind_of(support: int, side: int) -> int:
 
 
 PLACES = [name for name in EventQuantities._fields if name in CornerPositions._fields]
+
+
+NAMES = np.array(Constants._fields)[LANE_CONSTANTS].tolist()
+PRESS_RATE, RAMP_END = 0.1, 3.0  # the press grows during every step
+
+
+def draw_constants(rng: np.random.Generator, w: np.ndarray) -> None:
+    """Write random constants into the lanes."""
+    ramp = {"press_rate": PRESS_RATE, "ramp_end": RAMP_END}
+    others = [n for n, name in enumerate(NAMES) if name not in ramp]
+    w[others] = rng.uniform(0.5, 1.5, (len(others), WIDTH))
+    for name, value in ramp.items():
+        w[NAMES.index(name)] = value
 
 
 class Step:
@@ -109,17 +126,15 @@ class Step:
         self.watched = [each.number for each in lanes.all]
         flat = new_workspace(lanes.lines)
         self.w = flat.reshape(lanes.lines, WIDTH)
-        self.w[: GIVEN - 2] = rng.uniform(0.5, 1.5, (GIVEN - 2, WIDTH))
-        named = dict(
-            zip(np.array(Constants._fields)[LANE_CONSTANTS].tolist(), self.w, strict=False)
-        )
+        draw_constants(rng, self.w)
+        named = dict(zip(NAMES, self.w, strict=False))
         named["contact_stiffness"][:] = 50.0
         named["friction"][:] = 0.3
         for name in named if lossless else ():
             if name == "friction" or name.endswith("_damping"):
                 named[name][:] = 0.0
         self.w[GIVEN - 2 : GIVEN] = rng.choice([-1.0, 1.0], (2, WIDTH))
-        self.w[workspace.TIME], self.w[workspace.DEADLINE] = 0.3, 10.0
+        self.w[workspace.TIME], self.w[workspace.HALT] = 0.3, 10.0
         self.w[workspace.TOLERANCE], self.w[workspace.LONGEST] = tolerance, longest
         self.w[FACE], self.w[SIDE] = NORMAL[support], NORMAL[side]
         signs = self.w[GIVEN - 2 : GIVEN]
@@ -187,9 +202,12 @@ def test_a_carried_error_is_the_derivative_of_the_series(shape, support, side):
     more, less = (
         Step(support, side, 0.1, displacement=each, shape=shape) for each in (error, -error)
     )
+    more.w[workspace.FILLED_ORDER] = MOST_ERROR_ORDER
+    flat, lanes = more.w.reshape(-1), more.lanes
+    fill_errors(lanes, kind_of(support, side), lanes.series.addresses, flat)
     errors = more.w[workspace.ERROR :][: ORDERS * LINES].reshape(ORDERS, LINES, WIDTH)
-    found = errors[: ERROR_ORDER + 1, :6]
-    expected = 0.5 * (more.series - less.series)[: ERROR_ORDER + 1, :6]
+    found = errors[: MOST_ERROR_ORDER + 1, :6]
+    expected = 0.5 * (more.series - less.series)[: MOST_ERROR_ORDER + 1, :6]
     size = np.abs(expected).max(axis=1, keepdims=True)
     assert np.abs(found - expected).max() < 1e-5 * size.max()
     assert (np.abs(found - expected) < 1e-5 * size + 1e-14).all()
@@ -215,7 +233,10 @@ def test_the_series_solve_the_equations_of_motion_to_their_order(
 
 @pytest.mark.parametrize("shape", SHAPES)
 def test_the_series_keep_energy_without_damping_and_friction(shape: str) -> None:
-    """Energy of motion, springs and base changes by the work of press and excitation alone."""
+    """Energy of motion, springs and base changes by the work of press and excitation alone.
+
+    The press grows: its work is that of the moving holder.
+    """
     step = Step(SLIDES, SLIDES, 0.1, shape=shape, lossless=True)
     nodes, weights = np.polynomial.legendre.leggauss(12)
     end = 0.02
@@ -231,7 +252,8 @@ def test_the_series_keep_energy_without_damping_and_friction(shape: str) -> None
             return 0.5 * (moving + springs + p.contact_stiffness * np.square(depths).sum())
 
         times = 0.5 * end * (nodes + 1.0)
-        force = p.press_force + np.sin(p.frequency * (0.3 + times) + p.phase)
+        press = p.press_force - p.press_rate * (p.ramp_end - 0.3 - times)
+        force = press + np.sin(p.frequency * (0.3 + times) + p.phase)
         work = -0.5 * end * weights @ (force * step.at(times, lane)[:, 4])
         start = energy(0.0)
         assert abs(energy(end) - start) > 1e-4
@@ -270,8 +292,8 @@ def test_the_series_of_the_insertion_scene_solve_the_equations_of_motion(shape, 
     rng = np.random.default_rng(kind)
     flat = new_workspace(workspace.EVENT_LINES)
     w = flat.reshape(-1, WIDTH)
-    w[: GIVEN - 2] = rng.uniform(0.5, 1.5, (GIVEN - 2, WIDTH))
-    line = {name: n for n, name in enumerate(np.array(Constants._fields)[LANE_CONSTANTS].tolist())}
+    draw_constants(rng, w)
+    line = {name: n for n, name in enumerate(NAMES)}
     if shape == "round":
         w[line["slot_half_width"]] = 1.1 * w[line["half_width"]]
     w[line["contact_stiffness"]], w[line["friction"]] = 50.0, 0.3
@@ -290,6 +312,8 @@ def test_the_series_of_the_insertion_scene_solve_the_equations_of_motion(shape, 
     angle = w[line["frequency"]] * 0.3 + w[line["phase"]]
     sines = np.sin(state[2]), np.cos(state[2]), np.sin(angle), np.cos(angle)
     w[COEFFICIENTS + SINES : COEFFICIENTS + SINES + 4] = sines
+    w[COEFFICIENTS + LACK] = PRESS_RATE * (RAMP_END - 0.3)
+    w[COEFFICIENTS + LINES + LACK] = -PRESS_RATE
     w[LAST_ORDER] = ORDER
     lanes = lane_events_of(in_kernels(INSERTION, shape == "round").events)
     number = INSERTION_KINDS.index(kind)
