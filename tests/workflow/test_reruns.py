@@ -33,7 +33,7 @@ EDIT = ("\nfrom ", "\nEDITED = True\nfrom ")
 
 # (file, what stands there, what an edit puts there, the rules that must run again)
 EDITS = [
-    ("src/model/engine/lifecycle.py", "_FIRST_STEP = 1e-2", "_FIRST_STEP = 1e-3",
+    ("src/model/physics/forces.py", "return -p.press_force", "return -1.01 * p.press_force",
      {*KERNELS, *COMPUTED}),
     ("verification/bench/methods/by_hand.py", *EDIT, {"unlocated_kernels", *METHODS}),
     ("src/study/config/runs.py", *EDIT, {"explorer", *WEIGHED}),
@@ -114,9 +114,8 @@ def test_no_job_runs_again_after_edits_on_which_none_depends(project: Any) -> No
         assert project.planned() == set()
 
 
-def test_another_physics_stops_the_build_with_the_command_that_mends_it(project: Any) -> None:
-    force = "return -p.press_force", "return -1.01 * p.press_force"
-    with edited(project, "src/model/physics/forces.py", *force):
+def test_another_limit_stops_the_build_with_the_command_that_mends_it(project: Any) -> None:
+    with edited(project, "src/study/claims/claims.yaml", "most: 0.25", "most: 0.2"):
         run = project.dry_run()
     assert run.returncode != 0
     assert "draw the random devices anew: make null" in run.stdout + run.stderr

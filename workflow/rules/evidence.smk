@@ -15,6 +15,7 @@ rule cases:
     params:
         *code("cases"),
         plan=stated(cases_plan(study)),
+        null=stated(null_plan(study)),
     message:
         "judging the device under other assumptions"
     script:

@@ -4,8 +4,11 @@ from pathlib import Path
 
 from model.sweeps.io import write_dataset
 from study.evidence.cases import CasesPlan, cases_dataset
+from study.evidence.null import NullPlan, check_physics, stored_null
 from study.tracking.job import recorded, snakemake
 
 with recorded(snakemake):
+    null = NullPlan.model_validate(snakemake.params.null)
+    check_physics(null, stored_null(null))
     plan = CasesPlan.model_validate(snakemake.params.plan)
     write_dataset(cases_dataset(plan), Path(snakemake.output.data))

@@ -1,7 +1,8 @@
 """What random devices show of the list: their verdicts are stored beside this module.
 
 Nobody searched for these devices. Drawing and judging them takes minutes, so that it is done once
-for priors, list, physics and grid, by ``make null``; the key of all four stands in the file.
+for priors, list and grid, by ``make null``; the key of the three stands in the file. Other physics
+show when some of the devices are judged anew, which every build does.
 """
 
 import ast
@@ -13,7 +14,6 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from model import physics
 from model.compile.outline import outline
 from model.sweeps.axes import Plan
 from model.sweeps.sweep import Sweep
@@ -33,10 +33,12 @@ FILE = Path(__file__).with_name("null.csv")
 SHOWN = VERDICTS.index("shown")
 _SIGNS = "+-?"  # of the verdicts, in their order
 _PART = 10  # devices that are run together
+_AGAIN, _BY_ROUNDING = 4, 0.05  # devices that are judged anew, and the share that may differ
+_MEND = "draw the random devices anew: make null"
 
 
 class NullError(ValueError):
-    """The stored verdicts are missing, or of other priors, another list, physics or grid."""
+    """The stored verdicts are missing, or of other priors, another list or grid."""
 
 
 class Null(NamedTuple):
@@ -79,25 +81,29 @@ class NullPlan(Plan):
 
     @property
     def key(self) -> str:
-        """Hash of priors, list, physics and grid."""
+        """Hash of priors, list and grid; the physics are checked by judging some devices anew."""
         middle = self.space.values(np.full(len(self.space.names), 0.5))
-        sweeps = [self.space.sweep(middle, name, self.grid) for name in self.space.figures]
-        priors = self.space.problem.model_dump_json(include={"structure", "operating_points"})
+        axes = [
+            (name, each.parameter, each.values)
+            for name in self.space.figures
+            for each in self.space.sweep(middle, name, self.grid).dimensions
+        ]
         limits = [
             (claim.id, claim.figures, part, limit.threshold, limit.is_least)
             for claim in CLAIMS
             for part, limit in claim.limits.items()
         ]
-        grids = [each.identity for each in sweeps]
-        parts = priors, grids, self.seed, self.count, limits, _code()
-        return hashlib.sha256(repr(parts).encode()).hexdigest()[:16]
+        settings = self.space.settings
+        priors = self.space.problem.model_dump_json(include={"structure", "operating_points"})
+        grid = axes, self.grid.horizon, self.grid.tolerance, settings.start, settings.readings
+        parts = priors, sorted(self.space.fixed.items()), grid, limits, _code()
+        return hashlib.sha256(repr((*parts, self.seed, self.count)).encode()).hexdigest()[:16]
 
 
 def _code() -> list[str]:
-    """Return what the checks and the equations say, without comments, docstrings or layout."""
-    of_list = [Path(str(each.__file__)) for each in (checks, data, locked, measures)]
-    of_physics = sorted(Path(physics.__path__[0]).glob("*.py"))
-    trees = (ast.parse(file.read_text(encoding="utf-8")) for file in (*of_list, *of_physics))
+    """Return what the checks say, without comments, docstrings or layout."""
+    files = [Path(str(each.__file__)) for each in (checks, data, locked, measures)]
+    trees = (ast.parse(file.read_text(encoding="utf-8")) for file in files)
     return [repr(outline(tree, [])) for tree in trees]
 
 
@@ -128,6 +134,21 @@ def verdicts_of(
     return np.array(rows, dtype=np.int8)
 
 
+def check_physics(plan: NullPlan, null: Null) -> None:
+    """Judge the first devices anew.
+
+    Raises:
+        NullError: more verdicts than rounding turns differ from those stored.
+    """
+    again = verdicts_of(plan.space, plan.devices[:_AGAIN], plan.grid)
+    differ = float((again != null.verdicts[:_AGAIN]).mean())
+    if differ > _BY_ROUNDING:
+        raise NullError(
+            f"{FILE.name}: {differ:.0%} of the verdicts on its first devices are others now: it is "
+            f"of other physics; {_MEND}"
+        )
+
+
 def null_text(plan: NullPlan) -> str:
     """Draw and judge the devices; return the file: the key, and a line of signs by entry."""
     verdicts = verdicts_of(plan.space, plan.devices, plan.grid)
@@ -144,7 +165,6 @@ def stored_null(plan: NullPlan, file: Path = FILE) -> Null:
     Raises:
         NullError: there are none, or their key is another; the message names the command.
     """
-    mend = "draw the random devices anew: make null"
     try:
         lines = file.read_text(encoding="utf-8").splitlines()
         rows = dict(line.split(",") for line in lines)
@@ -153,7 +173,7 @@ def stored_null(plan: NullPlan, file: Path = FILE) -> Null:
             {name: [_SIGNS.index(s) for s in r] for name, r in rows.items()},
         )
     except (OSError, KeyError, ValueError) as error:
-        raise NullError(f"{file}: holds no verdicts of random devices ({error}); {mend}") from None
+        raise NullError(f"{file}: holds no verdicts of random devices ({error}); {_MEND}") from None
     if key != plan.key or [*found] != [claim.id for claim in CLAIMS]:
-        raise NullError(f"{file.name}: is of other priors, another list, physics or grid; {mend}")
+        raise NullError(f"{file.name}: is of other priors, another list or grid; {_MEND}")
     return Null(np.array([*found.values()], dtype=np.int8).T)

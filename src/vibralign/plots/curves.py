@@ -27,7 +27,7 @@ _RING: Mapping[str, Any] = {**_MARK, "marker": "o", "markersize": 4.5, "markerfa
 _CROSS: Mapping[str, Any] = {**_MARK, "marker": "x"}
 _ARROW: Mapping[str, Any] = {**_MARK, "marker": "$\\uparrow$", "markersize": 7.0, "clip_on": False}
 _JUMP = 2.0 * np.pi / 3.0  # a third of a period of the vibration, as a phase
-_NEARLY_ALL = 0.97  # of the points: the rest may lie beyond the axis
+_NEARLY_ALL = 0.92  # of the points: the rest may lie beyond the axis
 _EMPTY, _MARGIN, _EDGE = 0.15, 0.05, 0.01  # shares of an axis: see ``_ends_of_axis``
 
 
