@@ -13,7 +13,6 @@ from model.sweeps.sweep import merge, run
 from study.claims import CLAIMS, VERDICTS, figure_of, judge
 from study.claims.ledger import ledger_text, lines_of
 from study.claims.locked import locked_of
-from study.evidence.null import null_plan, stored_null
 from study.plans import sweep_of
 from study.report import page as report_page
 from study.report.section import Results
@@ -108,6 +107,7 @@ def cases_data() -> xr.Dataset:
         {
             "verdict": (("case", "entry"), verdicts),
             "kind": ("case", np.array([0, 1, 2, 3, 3], np.int8)),
+            "random": ("device", np.array([2, 7, 9, 14], np.int8)),
         },
         {"case": titles, "entry": [claim.id for claim in CLAIMS]},
         {"figure": "cases"},
@@ -118,7 +118,7 @@ def cases_data() -> xr.Dataset:
 def lines(study, datasets):
     figures = {name: figure_of(dataset) for name, dataset in datasets.items()}
     figures["locked"] = locked_of(figures, study.settings.settings)
-    return lines_of(judge(figures), stored_null(null_plan(study)).shares)
+    return lines_of(judge(figures), {claim.id: 0.25 for claim in CLAIMS})
 
 
 @pytest.fixture(scope="module")

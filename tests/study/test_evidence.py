@@ -126,7 +126,7 @@ def test_cases_are_the_device_itself_near_ones_assumptions_and_others(study) -> 
     plan = cases_plan(
         study.model_copy(update={"evidence": study.evidence.model_copy(update={"others": others})})
     )
-    dataset = cases_dataset(plan)
+    dataset = cases_dataset(plan, np.array([3, 5]))
     kinds = [KINDS[kind] for kind in dataset["kind"].values]
     assert kinds == ["device", "near", "near", "assumption", "assumption", "other", "other"]
     verdicts = dataset["verdict"].values

@@ -8,7 +8,8 @@ from study.evidence.null import NullPlan, check_physics, stored_null
 from study.tracking.job import recorded, snakemake
 
 with recorded(snakemake):
-    null = NullPlan.model_validate(snakemake.params.null)
-    check_physics(null, stored_null(null))
+    null_plan = NullPlan.model_validate(snakemake.params.null)
+    null = stored_null(null_plan)
+    check_physics(null_plan, null)
     plan = CasesPlan.model_validate(snakemake.params.plan)
-    write_dataset(cases_dataset(plan), Path(snakemake.output.data))
+    write_dataset(cases_dataset(plan, null.counts), Path(snakemake.output.data))

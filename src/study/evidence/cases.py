@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from model.sweeps.axes import Plan
 from model.sweeps.settings import RunSettings
@@ -94,8 +95,11 @@ def cases_plan(study: "Study") -> CasesPlan:
     )
 
 
-def cases_dataset(plan: CasesPlan) -> "xr.Dataset":
-    """Return the verdicts on all cases, over (case, entry)."""
+def cases_dataset(plan: CasesPlan, random: NDArray[np.int64]) -> "xr.Dataset":
+    """Return the verdicts on all cases, over (case, entry).
+
+    Beside them stand the numbers of entries that ``random`` devices show, shape (devices,).
+    """
     import xarray as xr  # noqa: PLC0415  (slow)
 
     cases = [*plan.cases]
@@ -107,6 +111,7 @@ def cases_dataset(plan: CasesPlan) -> "xr.Dataset":
         "flag_values": np.arange(len(VERDICTS), dtype=np.int8),
         "flag_meanings": " ".join(each.replace(" ", "_") for each in VERDICTS),
     }
+    shown = {"units": "1", "long_name": "number of entries that a random device shows"}
     kind = {
         "long_name": "kind of the case",
         "flag_values": np.arange(len(KINDS), dtype=np.int8),
@@ -116,10 +121,12 @@ def cases_dataset(plan: CasesPlan) -> "xr.Dataset":
         {
             "verdict": (("case", "entry"), np.array(rows, np.int8), verdict),
             "kind": ("case", np.array([KINDS.index(c.kind) for c in cases], np.int8), kind),
+            "random": ("device", random.astype(np.int8), shown),
         },
         {
             "case": ("case", [c.title for c in cases], {"long_name": "the case in words"}),
             "entry": ("entry", [c.id for c in CLAIMS], {"long_name": "entry of the ledger"}),
+            "device": ("device", np.arange(random.size), {"long_name": "random device"}),
         },
         {
             "title": "Verdicts by case",

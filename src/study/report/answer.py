@@ -5,14 +5,14 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from study.claims import CLAIMS, figure_of
 from study.claims.ledger import Line, read_ledger
 from study.claims.regime import Regime, regime_of
 from study.config.figures import MAPS
-from study.evidence.null import Null
 from study.report.figures import HEAD, Counts, article, counts_of
-from study.report.ledger import SIGNS, conclusions, count, random_devices
+from study.report.ledger import SIGNS, conclusions, count
 from study.report.section import Results, Section, Table, link
 from vibralign.plots.words import figure_number, figure_title, percent, short
 
@@ -43,7 +43,7 @@ def section(results: Results) -> Section:
     goes_in = {name: each.share_of("insertion", "inserted") for name, each in counts.items()}
     of = conclusions(lines)
     findings = [
-        _paper(lines, random_devices(results)),
+        _paper(lines, results.dataset("data/cases.nc")["random"].values),
         Finding(f"{count(of)} of {len(of)}", "statements of the numbered conclusions shown"),
         _contact(regimes),
         _first_period(regimes),
@@ -73,10 +73,10 @@ def _row(name: str, own: Counts, regime: Regime, goes_in: float) -> Sequence[obj
     return title, percent(own.aligned_share), tau, *map(percent, shares)
 
 
-def _paper(lines: list[Line], null: Null) -> Finding:
+def _paper(lines: list[Line], random: NDArray[np.int8]) -> Finding:
     label = (
         "statements of the paper shown, by a device that was searched for by this very list; "
-        f"random devices show {np.median(null.counts):g} in the median, {null.counts.max()} at most"
+        f"random devices show {np.median(random):g} in the median, {random.max()} at most"
     )
     return Finding(f"{count(lines)} of {len(lines)}", label)
 

@@ -9,7 +9,7 @@ import xarray as xr
 from study.claims import CLAIMS, VERDICTS, tally
 from study.claims.ledger import Line, read_ledger
 from study.evidence.cases import KINDS
-from study.evidence.null import SHOWN, Null, null_plan, stored_null
+from study.evidence.null import SHOWN
 from study.report.section import Results, Section, Table, link
 from vibralign.plots.words import figure_title, percent
 
@@ -20,11 +20,10 @@ _CLAIM = {claim.id: claim for claim in CLAIMS}
 def section(results: Results) -> Section:
     """Return the section on the paper's statements and their verdicts."""
     lines, cases = read_ledger(results.file("claims.csv")), results.dataset("data/cases.nc")
-    null = random_devices(results)
     content = {
         "tally": tally([line.verdict for line in lines]),
         "beside": _beside(lines, cases),
-        "counts": _counts(cases, null),
+        "counts": _counts(cases),
         "assumptions": _assumptions(cases),
         "entries": [(line, _parts(line), _sources(line)) for line in lines],
         "shared": _shared(),
@@ -33,11 +32,6 @@ def section(results: Results) -> Section:
     }
     template = Path(__file__).with_suffix(".html.j2")
     return Section("claims", "What the paper says, judged", template, content)
-
-
-def random_devices(results: Results) -> Null:
-    """Return what random devices show, as stored beside the code."""
-    return stored_null(null_plan(results.study))
 
 
 def conclusions(lines: list[Line]) -> list[Line]:
@@ -110,7 +104,7 @@ def _beside(lines: list[Line], cases: xr.Dataset) -> Table:
     return Table(("entry", "the paper says", ">our figures", *heads, ">random"), rows)
 
 
-def _counts(cases: xr.Dataset, null: Null) -> Table:
+def _counts(cases: xr.Dataset) -> Table:
     """List how many entries devices show on one grid: ours, off by a little, random ones."""
     shown = (cases["verdict"].values == SHOWN).sum(axis=1)
     kinds = np.array([KINDS[kind] for kind in cases["kind"].values])
@@ -120,7 +114,7 @@ def _counts(cases: xr.Dataset, null: Null) -> Table:
         for words, each in (
             ("our device, on the same grid", own),
             ("the same, every unknown off by 5 %", near),
-            ("random devices", null.counts),
+            ("random devices", cases["random"].values),
         )
     ]
     return Table(("", ">devices", ">entries: least", ">median", ">most"), rows)

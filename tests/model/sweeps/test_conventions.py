@@ -88,7 +88,9 @@ def judged(study: Study) -> xr.Dataset:
     counts = dict.fromkeys(GRIDDED, 3) | {"fig05": 1}
     tiny = Grid(counts=counts, horizon=1.0, tolerance=1e-4)
     plan = cases_plan(study)
-    return cases_dataset(plan.model_copy(update={"grid": tiny, "near": 1, "assumptions": {}}))
+    return cases_dataset(
+        plan.model_copy(update={"grid": tiny, "near": 1, "assumptions": {}}), np.arange(3)
+    )
 
 
 @pytest.fixture(scope="module")
