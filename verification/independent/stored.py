@@ -1,15 +1,14 @@
 """Independent solutions that are kept, by a hash of what is solved and of the code that solves it.
 
 A solution takes up to some seconds, and is the same in every build. ``python -m
-verification.independent.stored`` solves the cases of the study anew and writes stored.csv; what is
-not in it is solved when it is asked for.
+verification.bench.store`` solves the cases of the study anew and writes stored.csv; what is not in
+it is solved when it is asked for.
 """
 
 import ast
 import csv
 import dataclasses
 import hashlib
-import sys
 from functools import cache
 from pathlib import Path
 
@@ -59,23 +58,3 @@ def solution_of(parameters: Parameters, horizon: float) -> Solution:
     """
     found = _stored().get(key_of(parameters, horizon))
     return solve(parameters, horizon) if found is None else found
-
-
-def main() -> None:
-    """Solve the cases of the study's comparison of methods, and write the table."""
-    from study.config import load_study, study_path  # noqa: PLC0415  (the rest needs no study)
-    from verification.bench.plans import independent_cases  # noqa: PLC0415
-
-    head = ["key", "ending", "time", "tau", "x", "y", "tilt", "x_rate", "y_rate", "tilt_rate"]
-    rows = []
-    for name, (parameters, horizon) in independent_cases(load_study(study_path())).items():
-        found = solve(parameters, horizon)
-        numbers = [repr(float(each)) for each in (found.time, found.tau, *found.state)]
-        rows.append([key_of(parameters, horizon), found.ending, *numbers])
-        sys.stdout.write(f"{name}: {found.ending}\n")
-    with TABLE.open("w", newline="", encoding="utf-8") as file:
-        csv.writer(file, lineterminator="\n").writerows([head, *rows])
-
-
-if __name__ == "__main__":
-    main()

@@ -5,7 +5,7 @@ from pathlib import Path
 from model.sweeps.io import write_dataset
 from study.evidence.cases import CasesPlan, cases_dataset
 from study.evidence.null import NullPlan, check_physics, stored_null
-from study.tracking.job import recorded, snakemake
+from study.tracking.records import recorded, snakemake
 
 with recorded(snakemake):
     null_plan = NullPlan.model_validate(snakemake.params.null)

@@ -8,7 +8,7 @@ from model.sweeps.settings import RunSettings
 from study.claims import figure_of, judge
 from study.claims.ledger import ledger_text, lines_of
 from study.claims.locked import locked_of
-from study.tracking.job import recorded, snakemake
+from study.tracking.records import recorded, snakemake
 
 with recorded(snakemake):
     figures = {

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from study.tracking.job import recorded, snakemake
+from study.tracking.records import recorded, snakemake
 from verification.bench.plans import PICTURES
 from verification.bench.report.stability_plot import stability
 from verification.bench.report.work_precision_plots import evaluations_over_error, time_over_error

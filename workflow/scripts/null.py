@@ -4,7 +4,7 @@ from pathlib import Path
 
 from model.sweeps.files import write_text
 from study.evidence.null import NullPlan, null_text
-from study.tracking.job import recorded, snakemake
+from study.tracking.records import recorded, snakemake
 
 with recorded(snakemake):
     plan = NullPlan.model_validate(snakemake.params.plan)

@@ -6,7 +6,7 @@ from model.sweeps.files import write_text
 from study.config.identification import Effort
 from study.identification.search import result_text, search
 from study.identification.space import Space
-from study.tracking.job import recorded, snakemake
+from study.tracking.records import recorded, snakemake
 
 with recorded(snakemake):
     space = Space.model_validate(snakemake.params.space)
