@@ -56,7 +56,7 @@ def test_every_link_inside_the_page_leads_somewhere(rendered):
 
 def test_every_figure_has_its_picture_with_words_for_who_cannot_see_it(rendered, study):
     images = Page(rendered).all("img")
-    assert len(images) == len(study.figures) + len(PICTURES) + 4
+    assert len(images) == len(study.figures) + len(PICTURES) + 3
     others = [spec for name, spec in study.figures.items() if name != HEAD]
     for image, spec in zip(images, [study.figures[HEAD], *others], strict=False):
         assert base64.b64decode(image["src"].partition(",")[2]) == PIXEL
@@ -76,7 +76,7 @@ def test_files_are_linked_relative_to_the_results(rendered, study):
 
 
 def test_outcomes_are_counted_from_the_datasets(rendered, datasets):
-    part = rendered[rendered.index('id="glance"') : rendered.index("What the outcomes mean")]
+    part = rendered[rendered.index('id="glance"') : rendered.index("τ from")]
     table = re.sub(r"<[^>]*>", " ", part).split(" Fig. ")
     there = np.concatenate([each["outcome"].values.ravel() for each in datasets.values()])
     ends = [each for each in Outcome if each in there]

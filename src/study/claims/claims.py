@@ -53,6 +53,8 @@ class Limit:
     @property
     def demand(self) -> str:
         """The threshold in words."""
+        if 0.0 < self.threshold < _LEAST_SCALE**3:
+            return "more than 0"
         return f"at {'least' if self.is_least else 'most'} {self.threshold:.3g}"
 
 

@@ -12,6 +12,7 @@ from study.csv_tables import read_records, records_text
 
 Verdict = Literal["shown", "not shown", "not checkable"]
 VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
+_LEAST = 0.0005  # from which a number is not printed as 0
 
 
 @dataclass(frozen=True)
@@ -24,7 +25,10 @@ class Number:
     margin: float
 
     def __str__(self) -> str:
-        shown = "nothing to measure" if math.isnan(self.value) else f"{self.value:.3g}"
+        if math.isnan(self.value):
+            shown = "nothing to measure"
+        else:
+            shown = f"{self.value:.3g}" if abs(self.value) >= _LEAST else "0.000"
         return f"{self.where}: {shown}" if self.where else shown
 
 
