@@ -2,7 +2,7 @@
 
 Cases are an operating point of each kind of motion, and scenes that are hard to integrate. The true
 solution is the independent one (``verification.independent``), or, where that takes too long, that
-of the reference engine at a far smaller tolerance. Errors and evaluations are the
+of the package at a far smaller tolerance. Errors and evaluations are the
 same in every build; CPU times are not, and are kept in a table of their own.
 
 ``make bench`` also uses ``climbed``, the ladder of resolutions, and ``cpu_microseconds``, the time
@@ -41,7 +41,7 @@ class Truth:
     """True solution of a case.
 
     ``uncertainty`` is the distance of a second solution: in alignment time, or in the final state.
-    That is the reference engine's beside an independent solution, a coarser run beside one of the
+    That is the package's beside an independent solution, a coarser run beside one of the
     engine; infinite if they end in different ways.
     """
 
@@ -109,15 +109,15 @@ def true_run(plan: PrecisionPlan, name: str) -> Truth:
     """
     problem, case = problem_of(plan, name), plan.cases[name]
     settings = replace(problem.settings, max_evaluations=_TRUE_EVALUATIONS)
-    rows, tolerance = settings.rows(Batch.stack(problem.cases)), case.ladder.true_tolerance
-    result, state = last_state(settings, rows, np.array([tolerance]))
+    (row,), tolerance = settings.rows(Batch.stack(problem.cases)), case.ladder.true_tolerance
+    result, state = last_state(settings, row, tolerance)
     outcome, tau = Outcome(int(result.outcome)), float(result.tau_align)
     if case.independent and settings.readings == Variants() and settings.start != "pressed":
         solution = solution_of(problem.cases[0], case.until)
         alike = solution.ending == _ENDINGS.get(outcome)
         tau, other, state, other_state = solution.tau, tau, solution.state, state
     else:
-        coarse, other_state = last_state(settings, rows, np.array([_COARSER_TRUTH * tolerance]))
+        coarse, other_state = last_state(settings, row, _COARSER_TRUTH * tolerance)
         alike, other = coarse.outcome == outcome, float(coarse.tau_align)
     uncertainty = math.inf
     if alike:

@@ -1,6 +1,6 @@
 """The lifecycle of a run between its steps: start, events, excitation periods and end.
 
-Both engines use it. Time counts from the start; of a part that is lowered (physics/approach.py),
+Time counts from the start; of a part that is lowered (physics/approach.py),
 from its first touch and, if it is lowered without vibration, anew from the onset of the vibration.
 """
 
@@ -68,7 +68,7 @@ class Control(NamedTuple):
             own tolerance is larger; 0.0 if runs may not stop in periodic steady state.
         alignment_only: 1.0 to end at alignment, without the largest tilt and force, else 0.0.
         start: number of the start: see physics/approach.py.
-        carries_error: 1.0 to carry the error along (batch engine only), else 0.0.
+        carries_error: 1.0 to carry the error along, else 0.0.
     """
 
     horizon: float
@@ -298,6 +298,13 @@ def notes_forces(scene, mode, control, runs, i):
     """Return whether the largest forces grow: until alignment, or until inserted."""
     counts = scene.events.inserts or is_counted(mode, constants_of(scene.events, runs, i))
     return counts and control.alignment_only == 0.0
+
+
+@inlined_kernel
+def carries_error(scene, control, runs, i):
+    """Return whether run ``i`` carries its error: without insertion, only until it aligns."""
+    needed = scene.events.inserts or isnan(runs[i, AT.tau_align])
+    return control.carries_error != 0.0 and needed
 
 
 @kernel

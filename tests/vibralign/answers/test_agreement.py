@@ -24,7 +24,7 @@ from model.events.outcomes import Outcome
 from model.physics.quantities import FORCE
 from model.physics.units import device as device_of
 from model.runs import in_browser
-from model.runs.in_browser import Modules, interface
+from model.runs.in_browser import Module, interface
 from model.sweeps.starts import Starts
 from study.config import load_study, study_path
 from tests.model.runs.browser import Browser
@@ -89,9 +89,7 @@ def _no_advice(monkeypatch: pytest.MonkeyPatch, _no_leeways: None) -> None:
     monkeypatch.setattr(yields, "sobol_indices_of", lambda *_, **__: ())
     if not find_spec("wasmtime"):
         monkeypatch.setattr(
-            in_browser,
-            "modules",
-            lambda shape, scene: Modules(b"one", b"many", interface(scene, shape)),
+            in_browser, "module_for", lambda shape, scene: Module(b"one", interface(scene, shape))
         )
     monkeypatch.setattr(sheet, "_COUNT", 3)
     monkeypatch.setattr(device_sheet, "_picture", lambda _: "")
@@ -231,8 +229,8 @@ def on_page(text: str, shape: str) -> list[Trajectory | RunResult]:
             assert by_page[name] == (value if value is None else pytest.approx(value, rel=1e-12))
     found: list[Trajectory | RunResult] = [simulate(parameters, settings)]
     if find_spec("wasmtime"):
-        binary = gzip.decompress(base64.b64decode(model["modules"]["run_one"]))
+        binary = gzip.decompress(base64.b64decode(model["engine"]))
         given = np.array([[np.nan if v is None else v for v in parameters.given().values()]])
-        results, _ = Browser(binary, "run_one", model["interface"]).run(given, rows=0, **control)
+        results, _ = Browser(binary, model["interface"]).run(given, rows=0, **control)
         found.append(RunResult(*results[0]))
     return found
