@@ -18,7 +18,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from model.events.outcomes import Outcome, Reason
-from model.physics.parameters import PARAMETER_NAMES, Batch, Parameters
+from model.physics.parameters import OF_PAPER, Batch, Parameters
 from model.runs.align import align, run_once
 from model.runs.settings import Settings
 from model.runs.simulate import simulate_once
@@ -54,7 +54,7 @@ def run_trial(trial: Trial, chunk: int, chunks: int, cores: int = 1) -> Table:
     numbers = points_of_chunk(trial.sets, chunk, chunks)
     batch = trial.batch(numbers)
     judge = _errors if trial.name == "error" else _settled
-    parameters = {name: batch.values[name] for name in PARAMETER_NAMES}
+    parameters = {name: batch.values[name] for name in OF_PAPER}
     return {
         "set": numbers,
         **judge(batch, trial.settings.settings, trial.longer, cores),

@@ -118,6 +118,7 @@ def draw(seed: int, first: int, count: int, laws: Mapping[str, Law] = LAWS) -> B
         if name.startswith("rest_") and law.zero == 0.0:
             value = np.where(rows[:, 2, i] < _DERIVED, np.nan, value)
         values[name] = value
+    values["approach_speed"] = np.full(count, np.nan)
     # On the edge, most often near its ends.
     reach = values["half_width"] * (2.0 + values["clearance"])
     place = rows[:, 0, -1]

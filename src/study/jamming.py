@@ -14,7 +14,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from model.events.outcomes import Outcome
-from model.physics.parameters import PARAMETER_NAMES
+from model.physics.parameters import OF_PAPER
 
 Array = NDArray[np.float64]
 
@@ -51,7 +51,7 @@ def in_jamming_diagram(dataset: xr.Dataset) -> tuple[Array, Array]:
     """
     entry = dataset["tilt_at_alignment"].where(np.isfinite(dataset["tau_align"]))
     entry = entry.where(entry > 0.0)
-    p = {name: (0.0 * entry + dataset[name]).values for name in PARAMETER_NAMES}
+    p = {name: (0.0 * entry + dataset[name]).values for name in OF_PAPER}
     a, b, tilt = p["half_width"], p["half_height"], entry.values
     sine, cosine = np.sin(tilt), np.cos(tilt)
     h_over_d = depth_of_two_points(tilt, p["clearance"])

@@ -68,7 +68,8 @@ class Body(NamedTuple):
 class Touch(NamedTuple):
     """A contact; ``place`` is relative to the mass centre.
 
-    ``drift`` is the part of the slip acceleration that depends on velocities only.
+    ``drift`` is the part of the slip acceleration that depends on velocities only, ``couple`` the
+    moment of a unit load besides that of its normal force.
     """
 
     place: Any
@@ -78,6 +79,36 @@ class Touch(NamedTuple):
     load: Any
     slip: Any
     drift: Any
+    couple: Any = 0.0
+
+
+class Drive(NamedTuple):
+    """Force along the axis by which the holder drives the part: press and vibration.
+
+    The press grows from ``press`` at the rate ``speed``, up to ``most``.
+    """
+
+    press: float
+    speed: float
+    most: float
+    size: float
+    frequency: float
+    phase: float
+
+    @property
+    def reaches(self) -> float:
+        """Time at which the press is ``most``."""
+        return (self.most - self.press) / self.speed if self.press < self.most else 0.0
+
+    def force(self, time: Any) -> Any:
+        """Return the force, downward."""
+        press = np.minimum(self.press + self.speed * time, self.most)
+        return press + self.size * np.sin(self.frequency * time + self.phase)
+
+    def later(self, time: float) -> "Drive":
+        """Return the drive as time counts from ``time`` on."""
+        press = min(self.press + self.speed * time, self.most)
+        return self._replace(press=press, phase=self.phase + self.frequency * time)
 
 
 def dot(a: Any, b: Any) -> Any:
@@ -116,10 +147,18 @@ class Device:
     def __init__(self, p: Parameters) -> None:
         self.p = p
         self.a, self.b, self.l = p.half_width, p.half_height, p.slot_half_width
+        self.drive = Drive(p.press_force, 0.0, p.press_force, 1.0, p.frequency, p.phase)
         self.rest = complex(
             p.misalignment if p.rest_x is None else p.rest_x,
             p.half_height if p.rest_y is None else p.rest_y,
         )
+
+    def height(self, tilt: float) -> float:
+        """Return the height of the mass centre of a part at x(0) that touches the base."""
+        x, sine, cosine = self.p.misalignment, np.sin(tilt), np.cos(tilt)
+        if tilt < 0.0 and x + self.a * cosine + self.b * sine > self.l:  # on the corner B1
+            return float(self.b * cosine - self.a * sine)
+        return float((self.b - (self.l - x) * sine) / cosine)
 
     def edge_on_face(self, side: int, at: Body) -> Touch:
         """Return the contact of an edge with the bottom face."""
@@ -199,13 +238,7 @@ class Device:
         force = (
             p.lateral_stiffness * spring.real
             - p.lateral_damping * at.velocity.real
-            + 1j
-            * (
-                spring.imag
-                - p.axial_damping * at.velocity.imag
-                - p.press_force
-                - np.sin(p.frequency * time + p.phase)
-            )
+            + 1j * (spring.imag - p.axial_damping * at.velocity.imag - self.drive.force(time))
         )
         moment = p.tilt_stiffness * (p.rest_tilt - z[2]) - p.tilt_damping * at.turn
         frictions: list[Any] = [0.0, 0.0]
@@ -215,6 +248,7 @@ class Device:
                 push = touch.load * touch.normal + frictions[i] * weight * touch.tangent
                 force = force + push
                 moment = moment + (touch.place.conjugate() * push).imag
+                moment = moment + touch.load * touch.couple
 
         def slip_rate(i: int, force: Any, moment: Any) -> Any:
             first = groups[i][0][0]

@@ -5,6 +5,7 @@ output of scipy's DOP853, and the state at an event is integrated anew. It is sl
 consistent variant of the equations only. insertion.py continues runs in the slot.
 """
 
+import cmath
 import itertools
 import math
 from collections.abc import Callable
@@ -16,13 +17,25 @@ from scipy.integrate import DOP853, solve_ivp
 
 from model.physics.parameters import Parameters
 from verification.independent.crossings import Function, first_event
-from verification.independent.motion import LEFT, RIGHT, Body, Device, Mode, State, body, highest
+from verification.independent.motion import (
+    LEFT,
+    RIGHT,
+    Body,
+    Device,
+    Drive,
+    Mode,
+    State,
+    body,
+    highest,
+)
 
 SMALLEST_TOLERANCE = 2.3e-14  # scipy raises a smaller rtol to 100 units in the last place
 _ABSOLUTE = 1e-2  # scipy's atol over its rtol
 _AT_REST = 1e-11  # a slip below this is none
 _NO_LOAD = 1e-11  # a load, friction force or slip acceleration below this is none
 FLAT = 1e-8  # a part tilted by less rests on its edge
+RESTS = 1e-3  # speed and acceleration of a part at rest; as in physics/approach.py
+CLEARS = 1e-3  # height over the base at which a descent begins, besides the swing; as there
 MOMENT = 1e-5  # time ahead at which friction without load is decided
 _FIRST_STEP = 1e-3
 _MOST_EVENTS = 100_000
@@ -55,9 +68,9 @@ def _with(mode: Mode, what: str, state: str) -> Mode:
 class Run:
     """A run of a device through its modes."""
 
-    def __init__(self, device: Device, tolerance: float) -> None:
-        self.device, self.tolerance = device, tolerance
-        if device.p.initial_tilt < 0.0:
+    def __init__(self, device: Device, tolerance: float, start: str = "simultaneous") -> None:
+        self.device, self.tolerance, self.start = device, tolerance, start
+        if start == "simultaneous" and device.p.initial_tilt < 0.0:
             raise ValueError(
                 f"initial_tilt = {device.p.initial_tilt!r}: must be >= 0 for the independent "
                 "solution, which starts on the edge"
@@ -144,20 +157,53 @@ class Run:
         """Return the name of the end of a run that reaches the horizon."""
         return "horizon"
 
+    def begin(self) -> tuple[State, Mode]:
+        """Return the state at the start and its mode, and set the drive."""
+        d, p = self.device, self.device.p
+        if self.start == "simultaneous":
+            z = np.array([p.misalignment, d.height(p.initial_tilt), p.initial_tilt, 0.0, 0.0, 0.0])
+            return z, self.decided(0.0, z, Mode(), True, False)
+        y, velocity = descend(d, self.start == "running")
+        return np.array([p.misalignment, y, p.rest_tilt, 0.0, velocity, 0.0]), Mode(face="off")
+
+    def stop(self, time: float, end: float, *, waits: bool) -> float:
+        """Return the time of the next stop: end of the ramp, look for rest, or of the run."""
+        ramp = self.device.drive.reaches
+        if time < ramp:
+            return min(ramp, end)
+        looks = math.floor((time - ramp) / (2.0 * math.pi) + 1e-9) + 1
+        return min(ramp + looks * 2.0 * math.pi, end) if waits else end
+
+    def rests(self, time: float, z: State, mode: Mode) -> bool:
+        """Return whether no point of the part moves, or is about to."""
+        rate = np.abs(self.device.derivative(time, z, mode))
+        arms = np.array([1.0, 1.0, self.device.a + self.device.b])
+        return max(rate[:3] @ arms, rate[3:] @ arms) <= RESTS
+
     def run(self, horizon: float) -> Solution:
-        """Run from the start to the end; after alignment the horizon begins anew."""
-        p = self.device.p
-        reach = self.device.l - p.misalignment
-        y = (self.device.b - reach * math.sin(p.initial_tilt)) / math.cos(p.initial_tilt)
-        z = np.array([p.misalignment, y, p.initial_tilt, 0.0, 0.0, 0.0])
-        mode, time, tau, end = self.decided(0.0, z, Mode(), True, False), 0.0, math.nan, horizon
+        """Run from the start to the end; after alignment the horizon begins anew.
+
+        Of a part that is lowered, time counts from the first touch, and from the onset of the
+        vibration if it waits for rest.
+        """
+        z, mode = self.begin()
+        stage = "vibrates" if self.start == "simultaneous" else "descends"
+        time, tau, end = 0.0, math.nan, horizon + self.device.drive.reaches
         met: list[str] = []
         muted = ""
         while len(met) < _MOST_EVENTS:
-            began = time
-            name, time, z = self.segment(time, z, mode, end, muted)
+            began, stop = time, self.stop(time, end, waits=stage == "waits")
+            name, time, z = self.segment(time, z, mode, stop, muted)
             if not name:
-                return Solution(self.end_at_horizon(z, mode), time, tau, tuple(met), z)
+                if time >= end:
+                    return Solution(self.end_at_horizon(z, mode), time, tau, tuple(met), z)
+                muted = ""
+                if stage == "waits" and self.rests(time, z, mode):
+                    drive = self.device.drive.later(time)
+                    self.device.drive = drive._replace(size=1.0, phase=self.device.p.phase)
+                    stage, time, tau, end = "vibrates", 0.0, tau - time, horizon
+                    mode = self._next(time, z, mode, mode)
+                continue
             met.append(name)
             after = self.after(name, time, z, mode)
             if after == "aligned":
@@ -168,6 +214,10 @@ class Run:
                 return Solution(after, time, tau, tuple(met), z)
             muted = name if time == began and after == mode else ""
             mode = after
+            if stage == "descends" and (mode.supported or mode.beside):
+                stage = "vibrates" if self.start == "running" else "waits"
+                drive = self.device.drive = self.device.drive.later(time)
+                time, end = 0.0, horizon + drive.reaches
         return Solution("endless", time, tau, tuple(met), z)
 
     def segment(
@@ -326,17 +376,41 @@ class Run:
 
 
 def solve(
-    parameters: Parameters, horizon: float, tolerance: float = SMALLEST_TOLERANCE
+    parameters: Parameters,
+    horizon: float,
+    tolerance: float = SMALLEST_TOLERANCE,
+    start: str = "simultaneous",
 ) -> Solution:
     """Solve the alignment scene for one parameter set, with the consistent variant.
 
     Args:
-        parameters: the device, tilted toward the slot at the start or upright.
-        horizon: latest time, dimensionless.
+        parameters: the device, tilted toward the slot at a simultaneous start, or upright.
+        horizon: latest time, dimensionless; longer by the time for which the holder is lowered.
+        start: "simultaneous", "running" or "still".
         tolerance: scipy's rtol; its atol is a hundredth of it. The default is scipy's smallest.
 
     Raises:
         ArithmeticError: scipy fails, or no friction force is consistent.
         ValueError: the part starts tilted away from the slot, on its corner.
     """
-    return Run(Device(parameters), tolerance).run(horizon)
+    return Run(Device(parameters), tolerance, start).run(horizon)
+
+
+def descend(device: Device, vibrates: bool) -> tuple[float, float]:
+    """Set the drive of a holder that comes down, and return height and speed of the part.
+
+    In the frame of the holder the part hangs from spring and grounded damper; both drives of it,
+    the steady motion and the vibration, are solved as complex amplitudes.
+    """
+    p, speed = device.p, device.p.approach_speed
+    assert speed is not None  # noqa: S101 - the caller chooses the start
+    response = 1.0 / complex(1.0 - p.frequency**2, p.axial_damping * p.frequency)
+    size = float(vibrates)
+    swing = size * response * cmath.exp(1j * p.phase)
+    lag = p.axial_damping * speed
+    hangs = device.rest.imag - p.press_force + lag  # as the ramp ends, the swing aside
+    clears = device.height(p.rest_tilt) + size * abs(response) + CLEARS
+    press = p.press_force - max(clears - hangs, 0.0)
+    device.drive = Drive(press, speed, p.press_force, size, p.frequency, p.phase)
+    height = device.rest.imag - press + lag - swing.imag
+    return height, -speed - (1j * p.frequency * swing).imag

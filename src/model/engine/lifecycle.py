@@ -1,6 +1,7 @@
 """The lifecycle of a run between its steps: start, events, excitation periods and end.
 
-Both engines use it.
+Both engines use it. Time counts from the start; of a part that is lowered (physics/approach.py),
+from its first touch and, if it is lowered without vibration, anew from the onset of the vibration.
 """
 
 from math import isfinite, isnan, nan, pi
@@ -14,9 +15,12 @@ from model.engine.record import (
     AT,
     CLOSEST,
     CONSTANTS,
+    DESCENDS,
     FORCES,
     MADE,
+    PRESSES,
     STATE,
+    VIBRATES,
     constants_of,
     is_watched,
     mode_of,
@@ -39,9 +43,10 @@ from model.events.steady_state import (
 )
 from model.events.table import PLACES_OF_CONTACT
 from model.events.transitions import CONTINUES
+from model.physics.approach import PRESSED, RUNNING, descent, is_at_rest
 from model.physics.geometry import bottom_corner, edge_place, resting_height
 from model.physics.modes import CLOSED, OPEN, START, STICKING
-from model.physics.motion import is_supported
+from model.physics.motion import is_beside, is_supported
 from model.physics.notation import RIGHT_EDGE, STATE_SIZE, State
 from model.physics.rest import rest_under_press
 
@@ -62,7 +67,7 @@ class Control(NamedTuple):
         settling_noise: difference between periods that counts as none, unless that of the run's
             own tolerance is larger; 0.0 if runs may not stop in periodic steady state.
         alignment_only: 1.0 to end at alignment, without the largest tilt and force, else 0.0.
-        pressed: 1.0 to start at rest under the press, else 0.0.
+        start: number of the start: see physics/approach.py.
         carries_error: 1.0 to carry the error along (batch engine only), else 0.0.
     """
 
@@ -70,7 +75,7 @@ class Control(NamedTuple):
     max_evaluations: int
     settling_noise: float
     alignment_only: float
-    pressed: float
+    start: float
     carries_error: float = 0.0
 
 
@@ -118,6 +123,18 @@ def _start_pressed(scene, p, i, runs):
 
 
 @kernel
+def _start_descent(q, is_running, p, i, runs):
+    """State and mode of a part in steady descent, from that in which it touches the base."""
+    at = descent(q.y, is_running, p)
+    runs[i, AT.stage], runs[i, AT.ramp_end] = DESCENDS, at.ramp_end
+    runs[i, AT.deadline] += at.ramp_end
+    if not is_running:
+        runs[i, AT.held_frequency], runs[i, AT.held_phase] = p.frequency, p.phase
+        runs[i, AT.frequency], runs[i, AT.phase] = 0.0, 0.0
+    return q._replace(y=at.y, y_rate=at.y_rate), START._replace(face=OPEN)
+
+
+@kernel
 def period_length(p):
     """Period of the excitation; 2π if the excitation is constant."""
     return 2.0 * pi / p.frequency if p.frequency > 0.0 else 2.0 * pi
@@ -126,14 +143,66 @@ def period_length(p):
 @kernel
 def _note_end_of_period(scene, runs, i):
     """Set the next stop: the end of the present period or, if earlier, of the run."""
-    length = period_length(constants_of(scene.events, runs, i))
-    next_period = (runs[i, AT.periods] + 1.0) * length
-    runs[i, AT.stop] = min(next_period, runs[i, AT.deadline])
+    runs[i, AT.stop] = runs[i, AT.deadline]
+    if runs[i, AT.stage] == VIBRATES:
+        length = period_length(constants_of(scene.events, runs, i))
+        next_period = (runs[i, AT.periods] + 1.0) * length
+        runs[i, AT.stop] = min(next_period, runs[i, AT.deadline])
+    _note_halt(runs, i)
+
+
+@kernel
+def _note_halt(runs, i):
+    """Set the time at which the next steps must end: of the ramp, a look for rest, or the run."""
+    halt = runs[i, AT.deadline]
+    if runs[i, AT.time] < runs[i, AT.ramp_end]:
+        halt = min(halt, runs[i, AT.ramp_end])
+    elif runs[i, AT.stage] == PRESSES:
+        halt = min(halt, runs[i, AT.time] + 2.0 * pi)
+    runs[i, AT.halt] = halt
+
+
+@kernel
+def _count_anew(scene, stage, control, runs, i):
+    """Count time from now on, in the next stage; what the periods before were does not matter."""
+    time = runs[i, AT.time]
+    runs[i, AT.phase] += runs[i, AT.frequency] * time
+    runs[i, AT.ramp_end] = max(runs[i, AT.ramp_end] - time, 0.0)
+    runs[i, AT.tau_align] -= time  # NaN unless the part aligned before the vibration set in
+    runs[i, AT.tau_corners_inside] -= time
+    runs[i, AT.stage], runs[i, AT.time], runs[i, AT.sticking_time] = stage, 0.0, 0.0
+    runs[i, AT.deadline] = runs[i, AT.ramp_end] + control.horizon
+    for which in range(scene.events.count):
+        runs[i, CLOSEST + which], runs[i, MADE + which] = NEVER, 0.0
+    _note_end_of_period(scene, runs, i)
+
+
+@kernel
+def _look_for_rest(scene, control, runs, i):
+    """Let the vibration set in if the pressed part is at rest."""
+    q, mode = state_in(runs, STATE, i), mode_of(runs, i)
+    if not is_at_rest(runs[i, AT.time], q, constants_of(scene.events, runs, i), mode):
+        return
+    _count_anew(scene, VIBRATES, control, runs, i)
+    runs[i, AT.frequency], runs[i, AT.phase] = runs[i, AT.held_frequency], runs[i, AT.held_phase]
+    _note_end_of_period(scene, runs, i)
+    p = constants_of(scene.events, runs, i)
+    support, side = mode.support_slip == STICKING, mode.side_slip == STICKING
+    mode, possible = decide_friction(0.0, q, p, mode, support, side)
+    store_mode(mode, runs, i)
+    if not possible:
+        fail(scene, runs, i, REASON.NO_FRICTION_SOLUTION)
 
 
 @kernel
 def _end(scene, runs, i, outcome, reason):
-    """End run ``i``; a run that has aligned is aligned, or ends as its part does in the slot."""
+    """End run ``i``; a run that has aligned is aligned, or ends as its part does in the slot.
+
+    The reason of one that has needed no vibration is the press alone.
+    """
+    waits = runs[i, AT.stage] != VIBRATES
+    if waits and outcome == OUTCOME.HORIZON_REACHED:
+        reason = REASON.STILL_MOVES if runs[i, AT.stage] == PRESSES else REASON.NO_TOUCH
     if isfinite(runs[i, AT.tau_align]):
         if not scene.events.inserts:
             outcome, reason = OUTCOME.ALIGNED, REASON.NONE
@@ -143,6 +212,9 @@ def _end(scene, runs, i, outcome, reason):
             outcome, reason = end_in_slot(outcome, reason, q, p, mode)
     if outcome == OUTCOME.INSERTED:
         runs[i, AT.tau_inserted] = runs[i, AT.time] - runs[i, AT.tau_align]
+    before_onset = waits or (outcome == OUTCOME.ALIGNED and runs[i, AT.tau_align] < 0.0)
+    if before_onset and (outcome == OUTCOME.INSERTED or outcome == OUTCOME.ALIGNED):
+        reason = REASON.BY_PRESS
     runs[i, AT.outcome], runs[i, AT.reason] = outcome, reason
 
 
@@ -174,8 +246,11 @@ def begin(row, tolerance, scene, control, runs, i):
     for which in range(scene.events.count):
         runs[i, CLOSEST + which] = NEVER
     q, mode = start(p, scene.declared)
-    if control.pressed != 0.0 and not _starts_past_the_end(q, p, mode):
+    if control.start == PRESSED and not _starts_past_the_end(q, p, mode):
         q, mode = _start_pressed(scene, p, i, runs)
+    if control.start >= RUNNING:
+        q, mode = _start_descent(q, control.start == RUNNING, p, i, runs)
+        p = constants_of(scene.events, runs, i)
     runs[i, AT.tilt_max] = max(runs[i, AT.tilt_max], abs(q.tilt))  # 0 before, or NaN
     if runs[i, AT.outcome] == CONTINUES and start_is_impossible(scene.events, q, p, mode):
         fail(scene, runs, i, REASON.IMPOSSIBLE_START)
@@ -267,7 +342,7 @@ def skip_chatter(scene, before, runs, i):
     time, p, mode = runs[i, AT.time], constants_of(scene.events, runs, i), mode_of(runs, i)
     q, tolerance = state_in(runs, STATE, i), runs[i, AT.tolerance]
     moment = _SHORTEST_STEP * 2.0 ** (runs[i, AT.events_at_once] - _SEVERAL_AT_ONCE)
-    if time + moment >= runs[i, AT.stop]:
+    if time + moment >= min(runs[i, AT.stop], runs[i, AT.halt]):
         return
     here = short_step(time, moment, q, p, mode)
     there = short_step(time, moment, q, p, before)
@@ -307,6 +382,9 @@ def apply_event(which, length, step, scene, control, runs, i):
         inside = which == scene.events.corners_inside
         if not _note_alignment(scene, inside, q.tilt, printed_criterion, control, runs, i):
             outcome = CONTINUES
+    if runs[i, AT.stage] == DESCENDS and (is_supported(mode) or is_beside(mode)):
+        waits = control.start != RUNNING
+        _count_anew(scene, PRESSES if waits else VIBRATES, control, runs, i)
     if outcome != CONTINUES:
         _end(scene, runs, i, outcome, reason)
     elif runs[i, AT.events_at_once] > _SEVERAL_AT_ONCE:
@@ -319,20 +397,28 @@ def _compare_periods(scene, periods, history, settling_noise, runs, i):
     if mode_of(runs, i).dropped and not scene.events.inserts:
         return
     states, lowest = history.states[i], history.lowest[i]
-    record_state(periods, runs[i, STATE : STATE + STATE_SIZE], states)
+    p = constants_of(scene.events, runs, i)
+    length = period_length(p)
+    pressed = periods  # since the press has its full value
+    if p.ramp_end > 0.0:
+        pressed -= int(p.ramp_end / length) + 1
+        if pressed < 1:
+            return
+    record_state(pressed, runs[i, STATE : STATE + STATE_SIZE], states)
     if periods <= runs[i, AT.watched_until]:
         for which in range(scene.events.count):  # events that happened need no distance
             if runs[i, MADE + which] != 0.0:
                 runs[i, CLOSEST + which] = NEVER
-        record_closest(periods, runs[i, CLOSEST : CLOSEST + scene.events.count], lowest)
+        record_closest(pressed, runs[i, CLOSEST : CLOSEST + scene.events.count], lowest)
     noise = max(settling_noise, NOISE * runs[i, AT.tolerance])
-    p = constants_of(scene.events, runs, i)
-    length = period_length(p)
-    period = settled_period(scene.events, periods, length, states, lowest, p, noise)
+    period = settled_period(scene.events, pressed, length, states, lowest, p, noise)
     if period > 0:
         runs[i, AT.period] = period
         _end(scene, runs, i, OUTCOME.SETTLED, REASON.NONE)
-    runs[i, AT.watched_until] = max(runs[i, AT.watched_until], watched_until(periods, states))
+    until = watched_until(pressed, states)
+    if until > 0:
+        until += periods - pressed
+    runs[i, AT.watched_until] = max(runs[i, AT.watched_until], until)
     if is_watched(runs, i):
         for which in range(scene.events.count):
             runs[i, CLOSEST + which], runs[i, MADE + which] = NEVER, 0.0
@@ -359,5 +445,9 @@ def end_step(scene, reached_stop, history, control, runs, i):
         fail(scene, runs, i, REASON.TOO_MANY_EVALUATIONS)
     elif runs[i, AT.time] >= runs[i, AT.deadline]:
         _end(scene, runs, i, OUTCOME.HORIZON_REACHED, REASON.NONE)
-    elif reached_stop:
+    elif runs[i, AT.time] >= runs[i, AT.halt]:
+        _note_halt(runs, i)
+        if runs[i, AT.stage] == PRESSES:
+            _look_for_rest(scene, control, runs, i)
+    if reached_stop and runs[i, AT.outcome] == CONTINUES:
         end_period(scene, history, control.settling_noise, runs, i)

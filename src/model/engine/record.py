@@ -24,6 +24,10 @@ _WORKING = (
     "tolerance",
     "deadline",  # latest time at which the run ends
     "stop",  # end of the present excitation period, or the deadline
+    "halt",  # time at which a step must end: the end of the ramp, a look for rest, or the deadline
+    "stage",  # see ``VIBRATES``
+    "held_frequency",  # of the vibration, while it has not set in
+    "held_phase",
     "periods",  # excitation periods completed
     "watched_until",  # last period whose closest approaches are noted
     "sticking_time",
@@ -39,6 +43,9 @@ AT: Any = numbers("Columns", _COLUMNS)(*range(len(_COLUMNS)))
 
 CONSTANTS = len(Constants._fields)  # the first columns
 _FIRST_RESULT, _RESULT_COUNT = CONSTANTS, len(RunResult._fields)
+
+VIBRATES, DESCENDS, PRESSES = range(3)
+"""Stages of a run: it descends before the first touch; pressed, it waits for the vibration."""
 
 ERROR = AT.error_x  # first of the errors that the run carries
 FORCES = AT.edge_force_max  # first of the largest forces, in the order of PLACES_OF_CONTACT

@@ -80,7 +80,7 @@ _GATHERED = (
     (SUPPORT_SIGN, MODE + Mode._fields.index("support_slip")),
     (SIDE_SIGN, MODE + Mode._fields.index("side_slip")),
     (workspace.TIME, AT.time),
-    (workspace.DEADLINE, AT.deadline),
+    (workspace.HALT, AT.halt),
     (workspace.TOLERANCE, AT.tolerance),
     (workspace.LONGEST, AT.next_step),
 )
@@ -169,8 +169,8 @@ def _advance(scene, lanes, until, history, control, w, lane, runs, i):
         return False
     if _carries_error(scene, control, runs, i):
         carry_error(until, w, lane, runs, i)
-    at_deadline = until == 1.0 and length == runs[i, AT.deadline] - start
-    runs[i, AT.time] = runs[i, AT.deadline] if at_deadline else start + until * length
+    halts = until == 1.0 and length == runs[i, AT.halt] - start
+    runs[i, AT.time] = runs[i, AT.halt] if halts else start + until * length
     runs[i, AT.next_step] = MOST_GROWTH * length
     return True
 

@@ -28,6 +28,7 @@ from model.physics.contacts import (
     support_on_face,
     tips_on_face,
 )
+from model.physics.forces import lack_of_press
 from model.physics.motion import corner_share, motion
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
 from model.physics.parameters import Constants
@@ -73,8 +74,9 @@ def _inverse(a: Constant) -> Constant:
 class TaylorSeries(NamedTuple):
     """A series: the rule of its coefficients, and what the rule is applied to.
 
-    Rules are "state", "time", "sine", "cosine", "product", "quotient", "root", "sum" and "rate"; in
-    levels of events (levels.py) also "line" and "absolute".
+    Rules are "state", "time", "lack", "sine", "cosine", "product", "quotient", "root", "sum" and
+    "rate"; in levels of events (levels.py) also "line" and "absolute". The lack of the press is
+    linear in time: step.py writes its coefficients.
     """
 
     rule: str
@@ -119,6 +121,8 @@ class Sum(Symbol):
             return _sine_cosine
         if function is python_of(square_root):
             return _square_root
+        if function is python_of(lack_of_press):
+            return lambda _time, _p: sum_of(LACK_OF_PRESS)
         if function is python_of(tips_on_face):
             return _tips_with_rates
         if function is python_of(corner_share):
@@ -209,6 +213,7 @@ def sum_of(series: TaylorSeries) -> Any:
 
 STATES = tuple(TaylorSeries("state", (n,)) for n in range(len(State._fields)))
 _TIME = TaylorSeries("time", ())
+LACK_OF_PRESS = TaylorSeries("lack", ())
 
 
 def _with_rates(contact: Contact) -> Contact:

@@ -269,9 +269,9 @@ class ErrorWriter(SeriesWriter):
     def _total(
         self, _: Constant, terms: tuple[tuple[TaylorSeries, Constant], ...], *at: Any
     ) -> str:
-        """The error of a sum; the excitation has none."""
-        excitation = self.layout.sines[2:]
-        return super()._total(0.0, tuple(each for each in terms if each[0] not in excitation), *at)
+        """The error of a sum; excitation and press have none."""
+        prescribed = self.layout.prescribed
+        return super()._total(0.0, tuple(each for each in terms if each[0] not in prescribed), *at)
 
     def _pairs(self, series: TaylorSeries) -> tuple[tuple[TaylorSeries, TaylorSeries], ...]:
         """Pairs (a, b): Σ_j (error of a)_j b_(k-j), summed over them, is the error of a series."""

@@ -9,7 +9,7 @@ registers.
 from collections.abc import Iterator
 from copy import copy
 
-from model.engine.series import STATES, EventQuantities, Recurrences, TaylorSeries
+from model.engine.series import LACK_OF_PRESS, STATES, EventQuantities, Recurrences, TaylorSeries
 
 ORDER = 16  # of the series
 # Order of the linearised motion; lower ones fail on stiff bases (decision 3), where a step may last
@@ -21,7 +21,8 @@ STATE_LINES = len(STATES)
 TILT = 2  # line of the tilt
 # Line of the sine of the tilt; its cosine, and sine and cosine of the excitation, follow.
 SINES = STATE_LINES + len(EventQuantities._fields)
-_OTHERS = SINES + 4
+LACK = SINES + 4  # line of what the press falls short of f0, linear in time
+_OTHERS = LACK + 1
 LINES = _OTHERS + 16  # as many as the modes of plane parts on the edges need
 FURTHER_LINES = 60  # of round parts, and of modes in the slot; they follow the last order
 FRACTIONS = (0.25, 0.5, 0.75, 1.0)  # of a step, at which it is sampled
@@ -49,6 +50,7 @@ class Layout:
         terms: series in the sums of the accelerations.
         quantities: series of the event quantities.
         sines: sine and cosine of the tilt, and of the excitation's angle.
+        prescribed: series of forces that depend on time alone.
         turning: products of the tilt rate with sine and cosine of the tilt.
         rate: rate of the excitation's angle.
         place: line of a series in memory; other series stay in registers.
@@ -62,8 +64,9 @@ class Layout:
         self.terms = [each for total in recurrences.accelerations for each in total.terms]
         self.quantities = [each.as_series() for each in recurrences.quantities]
         self.sines = self._sines()
+        self.prescribed = (*self.sines[2:], LACK_OF_PRESS)
         self.place = {each: n for n, each in enumerate((*STATES, *self.quantities))}
-        self.place |= {each: SINES + n for n, each in enumerate(self.sines)}
+        self.place |= {each: SINES + n for n, each in enumerate((*self.sines, LACK_OF_PRESS))}
         self.stage: dict[TaylorSeries, int] = {}
         for series in (*self.terms, *self.quantities):
             self._assign_stage(series)
@@ -138,7 +141,7 @@ class Layout:
             return bool(series.operands[0] < len(STATES) // 2)
         if series.rule in ("sine", "cosine"):
             return series in self.sines[:2]
-        return series.rule != "rate" and all(map(self.is_ahead, _inputs(series)))
+        return series.rule not in ("rate", "lack") and all(map(self.is_ahead, _inputs(series)))
 
     def stages(self, ahead: bool) -> Iterator[tuple[list[TaylorSeries], list[TaylorSeries]]]:
         """Yield for each stage its convolved series, and its other series in their order."""

@@ -25,13 +25,13 @@ from model.engine.lane_events import (
     sample_line,
 )
 from model.engine.series_kernels import fill_errors, fill_series, sample_series
-from model.engine.series_layout import LINES, NODES, ORDER, REMAINDER, SINES, TILT
+from model.engine.series_layout import LACK, LINES, NODES, ORDER, REMAINDER, SINES, TILT
 from model.engine.workspace import (
     CANDIDATES,
     COEFFICIENTS,
     CONTACTS_AT,
-    DEADLINE,
     END,
+    HALT,
     LAST_ORDER,
     LINE,
     LONGEST,
@@ -47,6 +47,7 @@ from model.engine.workspace import (
 )
 from model.events.event_functions import FLAT, NEVER, ON_AN_EVENT
 from model.events.friction import REST_SLIP, without_slip
+from model.physics.forces import lack_of_press
 from model.physics.trigonometry import sine_cosine
 
 ALL_SUBINTERVALS = 15  # mask
@@ -59,7 +60,7 @@ TOO_FLAT_TO_TELL = 10.0 * FLAT
 
 @kernel
 def _set_sines(lanes, w):
-    """Write sine and cosine of the tilt and of the excitation's angle at the step's start."""
+    """Write what is known of the press, and sines and cosines at the step's start."""
     first = COEFFICIENTS + SINES
     for i in each_lane():
         p = constants_of_lane(lanes, w, i)
@@ -67,6 +68,9 @@ def _set_sines(lanes, w):
         w[first * WIDTH + i], w[(first + 1) * WIDTH + i] = s, c
         s, c = sine_cosine(p.frequency * w[TIME * WIDTH + i] + p.phase)
         w[(first + 2) * WIDTH + i], w[(first + 3) * WIDTH + i] = s, c
+        lack = lack_of_press(w[TIME * WIDTH + i], p)
+        w[(COEFFICIENTS + LACK) * WIDTH + i] = lack
+        w[(COEFFICIENTS + LINES + LACK) * WIDTH + i] = -p.press_rate if lack > 0.0 else 0.0
 
 
 @inlined_kernel
@@ -110,8 +114,8 @@ def _set_lengths(lanes, w):
             _step_of(lanes, ORDER, admitted, w, i), _step_of(lanes, ORDER - 1, admitted, w, i)
         )
         step = min(step, w[LONGEST * WIDTH + i])
-        time, deadline = w[TIME * WIDTH + i], w[DEADLINE * WIDTH + i]
-        w[STEP_LENGTH * WIDTH + i] = deadline - time if time + 1.0001 * step >= deadline else step
+        time, halt = w[TIME * WIDTH + i], w[HALT * WIDTH + i]
+        w[STEP_LENGTH * WIDTH + i] = halt - time if time + 1.0001 * step >= halt else step
 
 
 @inlined_kernel

@@ -27,7 +27,7 @@ from model.physics.notation import STATE_SIZE, State
 MODE_LINE = GIVEN  # in the order of ``Mode``
 (
     TIME,
-    DEADLINE,
+    HALT,  # time at which the step must end
     TOLERANCE,
     LONGEST,  # step
     STEP_LENGTH,

@@ -70,6 +70,9 @@ class Reason(Named):
     WEDGED = 16
     LACK_OF_FORCE = 17
     ON_EDGE = 18
+    BY_PRESS = 19
+    NO_TOUCH = 20
+    STILL_MOVES = 21
     ON_FLANK = 22
 
 
@@ -114,6 +117,9 @@ REASON_TEXT: dict[Reason, str] = {
     "tolerance may answer otherwise",
     Reason.NO_REST: "pressed slowly it does not come to rest on the edge: it topples or slides off "
     "before the vibration sets in",
+    Reason.STILL_MOVES: "pressed without vibration it has not come to rest within the horizon",
+    Reason.NO_TOUCH: "the press does not bring it down to the base within the horizon",
+    Reason.BY_PRESS: "by the press alone: no vibration needed",
     Reason.ON_FLANK: "it is tilted so far, or so far aside, that it meets a flank of the chamfers: "
     "that is not modelled",
 }
@@ -150,6 +156,9 @@ _REMEDY_OF_REASON: dict[Reason, str] = {
     Reason.CHAOTIC: f"change {_USUAL}: a longer horizon leaves it to chance",
     Reason.NO_REST: "lower press_force, or raise tilt_stiffness or friction, so that it rests; or "
     "start = 'simultaneous'",
+    Reason.STILL_MOVES: "raise the damping of the suspension, or the horizon",
+    Reason.NO_TOUCH: "raise press_force",
+    Reason.BY_PRESS: "none needed",
     Reason.ON_FLANK: "widen the chamfers, or raise tilt_stiffness so that it tilts less",
     Reason.NO_FRICTION_SOLUTION: "use the consistent readings normal_sign and side_force, under "
     "which friction always has a solution",

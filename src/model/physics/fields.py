@@ -22,6 +22,7 @@ class Field:
         bound: admissible range; any finite number where empty.
         derived: parameter whose value replaces ``None``; without one, ``None`` is refused.
         measured: True if a device in SI units must state the parameter although it has a default.
+        optional: True if the parameter may be None, which leaves out what it describes.
     """
 
     symbol: str
@@ -30,11 +31,14 @@ class Field:
     bound: Bound = ""
     derived: str | None = None
     measured: bool = False
+    optional: bool = False
 
     @property
     def rule(self) -> str:
         """The admissible range in words."""
         rule = f"must be a finite number {self.bound}".strip()
+        if self.optional:
+            return f"{rule}, or None"
         return f"{rule}, or None for {self.derived}" if self.derived else rule
 
     @property
@@ -47,7 +51,8 @@ class Field:
         inside = abs(values) < math.inf
         if self.bound:
             inside = inside & (values > 0.0 if self.bound == "> 0" else values >= 0.0)
-        return inside | (values != values) if self.derived else inside  # noqa: PLR0124 - NaN
+        may_be_none = self.derived or self.optional
+        return inside | (values != values) if may_be_none else inside  # noqa: PLR0124 - NaN
 
 
 def entry(

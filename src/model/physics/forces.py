@@ -5,7 +5,7 @@ Forces are in units of F1, moments in units of F1²/K_Y. Contact forces are in c
 
 from typing import NamedTuple
 
-from model.compile.kernels import inlined_kernel
+from model.compile.kernels import inlined_kernel, operation
 from model.physics.trigonometry import sine_cosine
 
 
@@ -27,10 +27,17 @@ def tilt_suspension(q, p):
     return -p.tilt_damping * q.tilt_rate - p.tilt_stiffness * (q.tilt - p.rest_tilt)
 
 
+@operation
+def lack_of_press(time, p):
+    """Return by how much the press falls short of f0: rate (τ_e - τ) until τ_e, then nothing."""
+    lack = p.press_rate * (p.ramp_end - time)
+    return max(0.0, lack)
+
+
 @inlined_kernel
-def press(p):
-    """Return -f0, the initial pressing force, downward."""
-    return -p.press_force
+def press(time, p):
+    """Return the pressing force, downward: -f0, and less while the holder is still lowered."""
+    return -p.press_force + lack_of_press(time, p)
 
 
 @inlined_kernel
@@ -53,6 +60,6 @@ def applied_forces(time, q, p):
     """``Applied`` in the state ``q`` at ``time``: a force added here acts in both engines."""
     return Applied(
         lateral_suspension(q, p),
-        axial_suspension(q, p) + press(p) + excitation(time, p),
+        axial_suspension(q, p) + press(time, p) + excitation(time, p),
         tilt_suspension(q, p),
     )

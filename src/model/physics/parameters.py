@@ -26,6 +26,7 @@ from model.physics.quantities import (
     INERTIA,
     LENGTH,
     PLAIN,
+    SPEED,
     STIFFNESS,
     TILT_DAMPING,
     TILT_STIFFNESS,
@@ -70,7 +71,8 @@ class Parameters(Value):
     """One device, its excitation and its start; every value dimensionless (paper, sect. 2).
 
     ``None`` for ``rest_x`` and ``rest_y`` means that the suspension is relaxed at the start of the
-    part: at ``misalignment`` and ``half_height``.
+    part: at ``misalignment`` and ``half_height``. ``None`` for ``approach_speed`` means a sudden
+    start, without an approach.
 
     Raises:
         TypeError: a value that is not a real number.
@@ -121,12 +123,20 @@ class Parameters(Value):
         default=None,
     )
     rest_tilt: float = entry("φ_st", "tilt at which the tilt spring is relaxed", ANGLE, default=0.0)
+    approach_speed: float | None = entry(
+        "v",
+        "speed at which the holder is lowered until it presses",
+        SPEED,
+        "> 0",
+        optional=True,
+        default=None,
+    )
 
     def __post_init__(self) -> None:
         row = []
         for name, field in FIELDS.items():
             value = getattr(self, name)
-            if value is None and field.derived:
+            if value is None and (field.derived or field.optional):
                 row.append(math.nan)
                 continue
             if isinstance(value, bool) or not isinstance(value, (int, float, np.number)):
@@ -147,8 +157,9 @@ class Parameters(Value):
         return self.half_width * (1.0 + self.clearance)
 
     def given(self) -> dict[str, float | None]:
-        """Return every parameter by name, None where it is derived."""
-        return {name: getattr(self, name) for name in PARAMETER_NAMES}
+        """Return every parameter by name, None where it is derived, without optional ones."""
+        values = {name: getattr(self, name) for name in PARAMETER_NAMES}
+        return {n: v for n, v in values.items() if v is not None or not FIELDS[n].optional}
 
     def replace(self, **changes: float | None) -> "Parameters":
         """Return a copy with ``changes``; an unknown name raises ValueError with the valid ones."""
@@ -159,16 +170,19 @@ class Parameters(Value):
 
 FIELDS: Mapping[str, Field] = entries(Parameters)
 PARAMETER_NAMES: tuple[str, ...] = tuple(FIELDS)
+OF_PAPER = tuple(name for name, field in FIELDS.items() if not field.optional)
+"""The parameters of the paper's device, whose start is sudden."""
 # The parameters without a default.
 REQUIRED_NAMES = tuple(f.name for f in dataclasses.fields(Parameters) if f.default is MISSING)
 Parameters.__doc__ = described(Parameters.__doc__, FIELDS)
 _ROW = struct.Struct(f"{len(FIELDS)}d")
 
-# Kernels take the slot's half-width in place of the clearance.
-_RESOLVED = {"clearance": "slot_half_width"}
+# Kernels take the slot's half-width in place of the clearance, and the rate of the press.
+_RESOLVED = {"clearance": "slot_half_width", "approach_speed": "press_rate"}
 _BEYOND_REACH = 1e9  # depth of insertion, dimensionless
 _CONSTANTS = (
     *(_RESOLVED.get(name, name) for name in PARAMETER_NAMES),
+    "ramp_end",
     "insertion_depth",
     *(f"printed_{name}" for name in VARIANT_NAMES if name != "preload"),
 )
@@ -177,8 +191,10 @@ _CONSTANTS = (
 class Constants(numbers("Constants", _CONSTANTS)):  # type: ignore[misc]
     """Numbers that kernels compute with: defaults resolved, variants as 0.0 or 1.0.
 
-    Parameters keep their names, but ``slot_half_width`` replaces ``clearance``. Added are
-    ``insertion_depth``, from the settings, and ``printed_*``, from the fields of ``Variants``.
+    Parameters keep their names, but ``slot_half_width`` replaces ``clearance``, and ``press_rate``
+    ``approach_speed``: the press grows at this rate (K_Y = 1) until the time ``ramp_end``. Both are
+    0 for a sudden start; ``ramp_end`` is found as a run begins. Added are ``insertion_depth``, from
+    the settings, and ``printed_*``, from the fields of ``Variants``.
 
     Attributes:
         is_round: True for a round part in a round hole, False for a plane one. Code is compiled for
@@ -214,13 +230,16 @@ def _constant(name, given):
     """Return a constant by its name, of numbers or of arrays; the variants are consistent."""
     if name == "slot_half_width":
         return given.half_width * (1.0 + given.clearance)
+    if name == "press_rate":
+        speed = given.approach_speed
+        return np.where(np.isnan(speed), 0.0, speed)
     if name == "insertion_depth":
         rest_y = _constant("rest_y", given)
         depth = 0.5 * (given.press_force - (rest_y - given.half_height))
         depth = np.where(depth > 0.0, depth, 0.0)
         return np.where(depth < given.half_width, depth, given.half_width)
     if name not in FIELDS:
-        return 0.0  # a printed variant
+        return 0.0  # a printed variant, or the end of the ramp
     value = getattr(given, name)
     if name in _DERIVED:
         return np.where(np.isnan(value), getattr(given, _DERIVED[name]), value)

@@ -16,7 +16,7 @@ as long as the edge sticks,
 """
 
 from math import isfinite, sqrt
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 from model.compile.kernels import inlined_kernel, kernel, separate_kernel
 from model.physics.contacts import support_on_face
@@ -24,9 +24,6 @@ from model.physics.forces import applied_forces, excitation
 from model.physics.geometry import edge_place, first_touch, place_on_rim
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
 from model.physics.trigonometry import sine_cosine
-
-Start = Literal["simultaneous", "pressed"]
-"""Start of a run: press and vibration set in together, or the part rests before it vibrates."""
 
 _LONGEST_STEP = 1.0 / 16.0  # of the full load
 _SHORTEST_STEP = 1e-4  # of the full load: the accuracy of the load at a fold

@@ -9,12 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model.engine.lifecycle import NOISE, Control
+from model.engine.record import AT
 from model.events.insertion import INSERTION
 from model.events.kernels import SceneEvents, in_kernels
 from model.events.outcomes import Outcome
 from model.events.scenes import ALIGNMENT, Scene
+from model.physics.approach import Start, rows_of_start
 from model.physics.parameters import Batch, Shape, check_name
-from model.physics.rest import Start
 from model.physics.tables import Value
 from model.physics.variants import Variants
 
@@ -40,8 +41,13 @@ class Settings(Value):
         start: "simultaneous": the press and the vibration set in together, on a part that touches
             the base without load (paper). "pressed": the part rests under the press, which has
             risen slowly, and then the vibration sets in; needs the consistent readings. The
-            initial tilt then has no effect. A part without rest leaves the scene at once. None for
-            the start that the device's file states, and "simultaneous" where it states none.
+            initial tilt then has no effect. A part without rest leaves the scene at once.
+            "running" and "still": the part is lowered at its ``approach_speed``, with the tilt
+            ``rest_tilt``, vibrating or not; see ``Start``. These need the consistent readings, and
+            the initial tilt has no effect. Times and the horizon count from the first touch or, of
+            "still", from the onset of the vibration; the horizon is longer by the time for which
+            the holder is still lowered. None for the start that the device's file states, and
+            "simultaneous" where it states none.
         insertion_depth: depth at which a part counts as inserted, > 0, dimensionless, with
             ``INSERTION`` only; by default that of ``Batch.insertion_depths``.
         horizon: latest time τ of a run, > 0, dimensionless.
@@ -86,9 +92,10 @@ class Settings(Value):
             raise ValueError(
                 "shape = 'round': needs the consistent readings; choose them or 'square'"
             )
-        if self.start == "pressed" and self.readings != Variants.consistent():
+        if self.number_of_start and self.readings != Variants.consistent():
             raise ValueError(
-                "start = 'pressed': needs the consistent readings; choose them or 'simultaneous'"
+                f"start = {self.start!r}: needs the consistent readings; choose them or "
+                "'simultaneous'"
             )
         if self.start == "pressed" and "edge_on_face" not in self.scene.contacts:
             raise ValueError(
@@ -123,8 +130,17 @@ class Settings(Value):
         return replace(self, alignment_only=self.success is Outcome.ALIGNED)
 
     def rows(self, batch: Batch) -> NDArray[np.float64]:
-        """Return the constants of every parameter set as kernels take them."""
-        return batch.constants(self.readings, self.insertion_depth)
+        """Return the constants of every parameter set as kernels take them.
+
+        Raises:
+            ValueError: a set does not fit the start; see ``rows_of_start``.
+        """
+        return rows_of_start(batch.constants(self.readings, self.insertion_depth), AT, self.start)
+
+    @property
+    def number_of_start(self) -> int:
+        """Number of the start in kernels."""
+        return 0 if self.start is None else get_args(Start).index(self.start)
 
     @property
     def for_kernels(self) -> tuple[SceneEvents, Control]:
@@ -139,7 +155,7 @@ class Settings(Value):
             int(self.max_evaluations),
             NOISE * min(self.tolerance, _SETTLING) if self.may_settle else 0.0,
             float(self.alignment_only),
-            float(self.start == "pressed"),
+            float(self.number_of_start),
         )
 
 

@@ -36,9 +36,10 @@ class Trajectory(Results[Outcome, Reason, float, int, bool]):
     ``time`` has shape (n,), ``state`` (n, 6) in the order of ``State``. ``contact_force``, the
     normal force under the part, ``side_force``, that on the left side (A2, and B2 on the wall), and
     ``right_force``, that on the right side of the slot, have shape (n,). Where a force jumps, its
-    time occurs twice. An aligned run continues until the corners are inside, in the insertion scene
-    until the part is inserted. ``units`` are those of a device in SI units, else None:
-    ``tau_align`` times ``units.time`` is in seconds.
+    time occurs twice. Before the first touch of a part that is lowered, or the onset of its
+    vibration, ``time`` is negative. An aligned run continues until the corners are inside, in the
+    insertion scene until the part is inserted. ``units`` are those of a device in SI units, else
+    None: ``tau_align`` times ``units.time`` is in seconds.
     """
 
     parameters: Parameters
@@ -123,6 +124,8 @@ def _trajectory(parameters: Parameters, results: Mapping[str, Any], track: Array
     Columns are copied, so that copies are like them in memory too: joblib's keys follow this.
     """
     time, *columns = track.T.copy()
+    for last in np.flatnonzero(np.diff(time) < 0.0)[::-1]:  # counted anew: see lifecycle.py
+        time[: last + 1] -= time[last]
     variables = dict(zip(TRACK_VARIABLES, columns, strict=True))
     return Trajectory(
         parameters=parameters,

@@ -5,8 +5,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
+from model.physics.approach import Start
 from model.physics.parameters import Shape, check_name
-from model.physics.rest import Start
 from model.physics.variants import VARIANT_NAMES, Variants
 from model.runs.settings import SCENES, Settings
 from model.sweeps.axes import Strict, Tolerance

@@ -6,7 +6,7 @@ from pathlib import Path
 from markupsafe import Markup
 
 from model.engine.scalar.tableaux import DOP853
-from model.physics.parameters import FIELDS, PARAMETER_NAMES
+from model.physics.parameters import FIELDS, OF_PAPER
 from model.physics.variants import VARIANT_NAMES
 from model.runs.settings import Settings
 from study.config.figures import COMPUTED
@@ -73,12 +73,12 @@ def _device(results: Results) -> tuple[Table, Table]:
     varied = {name: {*map(str, each["outcome"].dims)} for name, each in datasets.items()}
     held = (study.figures[name].held for name in COMPUTED)
     own = {*study.operating_point}.union(*varied.values(), *held)
-    columns = [name for name in PARAMETER_NAMES if name in own]
+    columns = [name for name in OF_PAPER if name in own]
     device = [
         (symbol(FIELDS[name].symbol), _CODE.format(name),
          "by figure" if name in study.operating_point
          else value_of(name, getattr(study.baseline, name)), FIELDS[name].description)
-        for name in PARAMETER_NAMES
+        for name in OF_PAPER
     ]  # fmt: skip
     bold = Markup("<strong>{}</strong>")
     points = [

@@ -13,9 +13,9 @@ from typing import Any, get_args
 
 from model.compile.cache import cache_folder
 from model.events.insertion import INSERTION
+from model.physics.approach import Start
 from model.physics.parameters import FIELDS, PARAMETER_NAMES, Parameters, Shape, check_name
 from model.physics.quantities import LENGTH, TIME
-from model.physics.rest import Start
 from model.physics.units import Units
 from model.physics.variants import VARIANT_NAMES, Variant, Variants
 from model.runs.settings import SCENES, Settings

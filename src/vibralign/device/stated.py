@@ -10,10 +10,10 @@ from typing import Any, get_args
 import yaml
 
 from model.events.scenes import ALIGNMENT
+from model.physics.approach import Start
 from model.physics.fields import Bound
 from model.physics.parameters import FIELDS, Parameters, Shape, check_name
 from model.physics.quantities import LENGTH, PLAIN, Quantity
-from model.physics.rest import Start
 from model.physics.tables import Value, vars_of
 from model.physics.units import UNITS, Device, Units, device
 from model.runs.settings import Settings

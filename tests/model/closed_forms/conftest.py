@@ -72,7 +72,7 @@ class SteppedRun:
         single = new_scalar_memory()
         # Only in the slot may a run settle.
         noise = NOISE * tolerance * (scene is not ALIGNMENT)
-        control = Control(horizon, 50_000_000, noise, alignment_only=0.0, pressed=0.0)
+        control = Control(horizon, 50_000_000, noise, alignment_only=0.0, start=0.0)
         runs, track = single.runs, np.empty((0, TRACK_COLUMNS))
         begin(row, tolerance, events, control, runs, 0)
         if state is not None:

@@ -34,6 +34,7 @@ from model.engine.series import GIVEN, LANE_CONSTANTS, EventQuantities
 from model.engine.series_layout import (
     ERROR_ORDER,
     FRACTIONS,
+    LACK,
     LINES,
     NODES,
     ORDER,
@@ -89,6 +90,19 @@ def kind_of(support: int, side: int) -> int:
 PLACES = [name for name in EventQuantities._fields if name in CornerPositions._fields]
 
 
+NAMES = np.array(Constants._fields)[LANE_CONSTANTS].tolist()
+PRESS_RATE, RAMP_END = 0.1, 3.0  # the press grows during every step
+
+
+def draw_constants(rng: np.random.Generator, w: np.ndarray) -> None:
+    """Write random constants into the lanes."""
+    ramp = {"press_rate": PRESS_RATE, "ramp_end": RAMP_END}
+    others = [n for n, name in enumerate(NAMES) if name not in ramp]
+    w[others] = rng.uniform(0.5, 1.5, (len(others), WIDTH))
+    for name, value in ramp.items():
+        w[NAMES.index(name)] = value
+
+
 class Step:
     """One step of WIDTH random runs in the same kind of mode, of at most ``longest``."""
 
@@ -109,17 +123,15 @@ class Step:
         self.watched = [each.number for each in lanes.all]
         flat = new_workspace(lanes.lines)
         self.w = flat.reshape(lanes.lines, WIDTH)
-        self.w[: GIVEN - 2] = rng.uniform(0.5, 1.5, (GIVEN - 2, WIDTH))
-        named = dict(
-            zip(np.array(Constants._fields)[LANE_CONSTANTS].tolist(), self.w, strict=False)
-        )
+        draw_constants(rng, self.w)
+        named = dict(zip(NAMES, self.w, strict=False))
         named["contact_stiffness"][:] = 50.0
         named["friction"][:] = 0.3
         for name in named if lossless else ():
             if name == "friction" or name.endswith("_damping"):
                 named[name][:] = 0.0
         self.w[GIVEN - 2 : GIVEN] = rng.choice([-1.0, 1.0], (2, WIDTH))
-        self.w[workspace.TIME], self.w[workspace.DEADLINE] = 0.3, 10.0
+        self.w[workspace.TIME], self.w[workspace.HALT] = 0.3, 10.0
         self.w[workspace.TOLERANCE], self.w[workspace.LONGEST] = tolerance, longest
         self.w[FACE], self.w[SIDE] = NORMAL[support], NORMAL[side]
         signs = self.w[GIVEN - 2 : GIVEN]
@@ -215,7 +227,10 @@ def test_the_series_solve_the_equations_of_motion_to_their_order(
 
 @pytest.mark.parametrize("shape", SHAPES)
 def test_the_series_keep_energy_without_damping_and_friction(shape: str) -> None:
-    """Energy of motion, springs and base changes by the work of press and excitation alone."""
+    """Energy of motion, springs and base changes by the work of press and excitation alone.
+
+    The press grows: its work is that of the moving holder.
+    """
     step = Step(SLIDES, SLIDES, 0.1, shape=shape, lossless=True)
     nodes, weights = np.polynomial.legendre.leggauss(12)
     end = 0.02
@@ -231,7 +246,8 @@ def test_the_series_keep_energy_without_damping_and_friction(shape: str) -> None
             return 0.5 * (moving + springs + p.contact_stiffness * np.square(depths).sum())
 
         times = 0.5 * end * (nodes + 1.0)
-        force = p.press_force + np.sin(p.frequency * (0.3 + times) + p.phase)
+        press = p.press_force - p.press_rate * (p.ramp_end - 0.3 - times)
+        force = press + np.sin(p.frequency * (0.3 + times) + p.phase)
         work = -0.5 * end * weights @ (force * step.at(times, lane)[:, 4])
         start = energy(0.0)
         assert abs(energy(end) - start) > 1e-4
@@ -270,8 +286,8 @@ def test_the_series_of_the_insertion_scene_solve_the_equations_of_motion(shape, 
     rng = np.random.default_rng(kind)
     flat = new_workspace(workspace.EVENT_LINES)
     w = flat.reshape(-1, WIDTH)
-    w[: GIVEN - 2] = rng.uniform(0.5, 1.5, (GIVEN - 2, WIDTH))
-    line = {name: n for n, name in enumerate(np.array(Constants._fields)[LANE_CONSTANTS].tolist())}
+    draw_constants(rng, w)
+    line = {name: n for n, name in enumerate(NAMES)}
     if shape == "round":
         w[line["slot_half_width"]] = 1.1 * w[line["half_width"]]
     w[line["contact_stiffness"]], w[line["friction"]] = 50.0, 0.3
@@ -290,6 +306,8 @@ def test_the_series_of_the_insertion_scene_solve_the_equations_of_motion(shape, 
     angle = w[line["frequency"]] * 0.3 + w[line["phase"]]
     sines = np.sin(state[2]), np.cos(state[2]), np.sin(angle), np.cos(angle)
     w[COEFFICIENTS + SINES : COEFFICIENTS + SINES + 4] = sines
+    w[COEFFICIENTS + LACK] = PRESS_RATE * (RAMP_END - 0.3)
+    w[COEFFICIENTS + LINES + LACK] = -PRESS_RATE
     w[LAST_ORDER] = ORDER
     lanes = lane_events_of(in_kernels(INSERTION, shape == "round").events)
     number = INSERTION_KINDS.index(kind)

@@ -9,7 +9,9 @@ import pytest
 from model.physics.parameters import FIELDS, PARAMETER_NAMES, Constants
 from vibralign import Batch, Parameters, Variants
 
-POSITIVE = ["half_width", "half_height", "clearance", "inertia", "contact_stiffness"]
+POSITIVE = [
+    "half_width", "half_height", "clearance", "inertia", "contact_stiffness", "approach_speed",
+]  # fmt: skip
 NOT_NEGATIVE = [
     "lateral_stiffness", "tilt_stiffness", "lateral_damping", "axial_damping", "tilt_damping",
     "contact_damping", "friction", "frequency",
@@ -185,7 +187,7 @@ def test_constants_carry_each_parameter_and_switch_in_its_own_place(constants):
     p = constants(Parameters(**distinct), Variants(side_gap="printed"))
     for name, value in distinct.items():
         if name != "clearance":
-            assert getattr(p, name) == value
+            assert getattr(p, {"approach_speed": "press_rate"}.get(name, name)) == value
     switches = {name: value for name, value in p._asdict().items() if name.startswith("printed_")}
     assert switches.pop("printed_side_gap") == 1.0
     assert set(switches.values()) == {0.0}

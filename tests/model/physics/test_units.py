@@ -36,6 +36,7 @@ PRINTED = {
     "inertia": lambda value: (value / M) / (F1 / K_Y) ** 2,
     "lateral_stiffness": lambda value: value / K_Y,
     "tilt_stiffness": lambda value: value * K_Y / F1**2,
+    "approach_speed": lambda value: value * math.sqrt(K_Y * M) / F1,
     "lateral_damping": lambda value: value / math.sqrt(K_Y * M),
     "axial_damping": lambda value: value / math.sqrt(K_Y * M),
     "tilt_damping": lambda value: value * P**3 * M / F1**2,

@@ -220,7 +220,8 @@ def advance(scene, control, track, history, work, runs, i):
     time, p, mode = runs[i, AT.time], constants_of(scene.events, runs, i), mode_of(runs, i)
     y, tolerance, h = work.y, runs[i, AT.tolerance], runs[i, AT.next_step]
     store_in(state_in(runs, STATE, i), y)
-    stop, rate = runs[i, AT.stop], contact_rate(p, mode)
+    stop = min(runs[i, AT.stop], runs[i, AT.halt])
+    is_stop, rate = stop == runs[i, AT.stop], contact_rate(p, mode)
     if tolerance * rate > _LOOSE:
         h = min(h, _MOST_RADIANS / rate)
     h_try = stop - time if time + 1.0001 * h >= stop else h
@@ -275,7 +276,7 @@ def advance(scene, control, track, history, work, runs, i):
         track_run(scene.events, track, work.scratch[0], runs, i)
     else:
         store_state(hold_sticking(state_in(runs, STATE, i), p, mode), runs, i)
-    end_step(scene, reached_stop, history, control, runs, i)
+    end_step(scene, reached_stop and is_stop, history, control, runs, i)
 
 
 class ScalarMemory(NamedTuple):
