@@ -1,13 +1,15 @@
 """The assumptions of an answer, as commands, files and pages print them alike."""
 
 import json
+import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from model.events.outcomes import Outcome
+from model.physics.approach import Start
 from model.physics.parameters import Batch, Parameters
-from model.physics.quantities import ANGLE, DAMPING, LENGTH, STIFFNESS, TIME
+from model.physics.quantities import ANGLE, DAMPING, LENGTH, SPEED, STIFFNESS, TIME
 from model.physics.units import Units
 from model.runs.settings import Settings
 from model.sweeps.settings import Ensemble
@@ -19,9 +21,12 @@ from vibralign.device.base import USUAL_STIFFNESS
 from vibralign.device.mouth import GRIPPER_TILT
 
 _AMOUNTS = re.compile(r"(-?\d[\d.]*(?:e[-+]?\d+)?(?: (?:[kMG]?N(?: s)?/m|m?m|m?s|rad)\b)?)")
-_STARTS = {
+_STARTS: Mapping[Start, str] = {
     "simultaneous": "press and vibration set in together, on a part that touches without load",
     "pressed": "the part rests under the press, then the vibration sets in",
+    "running": "lowered at {}, vibrating, until it presses; times count from the first touch",
+    "still": "lowered at {} until it rests under the press; times count from when the vibration "
+    "then sets in",
 }
 
 
@@ -45,7 +50,7 @@ def assumptions(
     units = None if stated is None else stated.units
     words = {
         "shape": _shape(settings, stated),
-        "start": _STARTS[settings.start or "simultaneous"],
+        "start": _start(parameters, settings, units),
         "touch-down": _touch_down(parameters, stated, ensemble),
         "goal": _goal(parameters, settings, stated),
         "base": _base(parameters, stated),
@@ -113,6 +118,11 @@ def source_words(stated: StatedDevice) -> str:
     """Return the file of a device, and what replaces its values."""
     changes = changes_words(stated)
     return f"{stated.source}{changes and f', with {changes}'}"
+
+
+def _start(parameters: Parameters, settings: Settings, units: Units | None) -> str:
+    speed = math.nan if parameters.approach_speed is None else parameters.approach_speed
+    return _STARTS[settings.start or "simultaneous"].format(in_words(speed, SPEED, units))
 
 
 def _shape(settings: Settings, stated: StatedDevice | None) -> str:

@@ -25,6 +25,7 @@ from vibralign.device.amounts import read_amount
 from vibralign.device.mouth import MOUTH
 from vibralign.device.paper import baseline
 from vibralign.device.spelling import plain
+from vibralign.device.start import check_old_start
 from vibralign.device.stated import FOLLOWED, QUANTITIES, quantity_of, unit_of
 
 
@@ -51,8 +52,9 @@ def add_model_options(
     words = f"variant of one equation, consistent or printed; may be repeated: {names}"
     metavar = "NAME=READING"
     add("--reading", action="append", default=[], metavar=metavar, dest="switches", help=words)
-    words = "press and vibration set in together, or the part rests under a slow press before it "
-    words += "vibrates (default: as in the device's file, else simultaneous)"
+    words = "start of the paper's device, without --device: press and vibration set in together, "
+    words += "the part rests under a slow press first, or is lowered at its approach_speed "
+    words += "(default: simultaneous). A device states approach_speed and vibrator"
     add("--start", choices=get_args(Start), help=words)
     words = (
         "round part in a round hole, or a square one beside a slot as in the paper (default: as "
@@ -141,6 +143,8 @@ def read_inputs(arguments: argparse.Namespace) -> Inputs:
 def _stated_device(arguments: argparse.Namespace) -> StatedDevice | None:
     if arguments.device is None:
         return None
+    if arguments.start is not None:
+        check_old_start(arguments.start)
     stated = load_device(arguments.device, pairs(arguments.changes, "--set"))
     for name, quantity in (("horizon", TIME), ("insertion_depth", LENGTH)):
         if (text := getattr(arguments, name)) is not None:
@@ -187,7 +191,7 @@ def _settings(arguments: argparse.Namespace, stated: StatedDevice | None) -> Set
         readings=Variants(**switches),
         scene=SCENES[arguments.scene or arguments.usual_scene],
         shape=arguments.shape,
-        start=arguments.start or (stated and stated.start) or "simultaneous",
+        start=(arguments.start or "simultaneous") if stated is None else stated.start,
         insertion_depth=depth,
         horizon=horizon,
         tolerance=tolerance,

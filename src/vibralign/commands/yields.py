@@ -107,7 +107,7 @@ def _command(failing: "FailingDevice", stated: "StatedDevice", settings: "Settin
     """Return the command line that runs a failing device."""
     changes = {**stated.changes, **failing.quantities, **failing.start}
     words = [f"vibralign simulate --device {shlex.quote(str(stated.source))}"]
-    words.append(f"--scene {settings.scene.name} --start {settings.start}")
+    words.append(f"--scene {settings.scene.name}")
     if stated.horizon is not None:
         words.append(f"--horizon {stated.horizon!r}")
     if stated.insertion_depth is not None:

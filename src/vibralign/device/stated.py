@@ -36,6 +36,15 @@ from vibralign.device.plausibility import (
     check_press,
     doubts,
 )
+from vibralign.device.start import (
+    SPEED,
+    USUAL_SPEED,
+    VIBRATOR,
+    VIBRATORS,
+    check_old_start,
+    is_sudden,
+    start_of,
+)
 
 # Upper limits that a design may have to keep: meaning and SI unit.
 LIMITS: Mapping[str, tuple[str, str]] = {
@@ -48,7 +57,7 @@ VIBRATION: Mapping[str, float] = {"needed": 1.0, "not needed": 0.0}
 _OWN = {**{n: each for n, each in FIELDS.items() if n not in REPLACED}, **UNITS, **MOUTH}
 QUANTITIES = (*UNITS, *(n for n in _OWN if n not in UNITS), *RATIOS, *BASE, CENTRE)
 FOLLOWED = "a part with chamfers is followed until its face has reached them, no further"
-_BESIDES = ("materials", "free", "limits", "start", "shape")
+_BESIDES = ("materials", "free", "limits", VIBRATOR, "shape")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -64,7 +73,8 @@ class StatedDevice(Value):
         limits: largest admissible values of the names in ``LIMITS``; for "vibration" the share of
             devices that must not align without it, 1 or 0.
         changes: quantities that replace the file's, as they were given.
-        start: start of its runs (``Settings.start``), or None.
+        start: start of its runs (``Settings.start``), as ``approach_speed`` and ``vibrator`` state
+            it, or None.
         stated_shape: shape of part and hole (``Settings.shape``), or None.
         horizon: latest time of its runs in s, or None for that of the settings in units of 1/p.
         insertion_depth: depth in m at which it counts as inserted, or None for the default.
@@ -158,7 +168,8 @@ class StatedDevice(Value):
         """Return the quantities with ``changes``, of the holder and the part as ``MOUTH`` is."""
         replaced = _replaced_by(changes)
         kept = {name: v for name, v in self.quantities.items() if name not in replaced}
-        return _of_holder_and_part({**kept, **changes})
+        lowered = {SPEED: USUAL_SPEED} if self.start in VIBRATORS else {}
+        return _of_holder_and_part({**lowered, **kept, **changes})
 
     def changed(self, **changes: float | str) -> "StatedDevice":
         """Return the device with other values and the same tolerances.
@@ -170,7 +181,7 @@ class StatedDevice(Value):
         Raises:
             ValueError: an unknown quantity, or a text that is no amount.
         """
-        for name in changes:
+        for name in changes.keys() - {VIBRATOR}:
             check_quantity(name)
         values, tolerances = _amounts(changes, self.quantities.get("frequency"))
         replaced = _replaced_by(changes)
@@ -180,6 +191,7 @@ class StatedDevice(Value):
             tolerances={n: each for n, each in self.tolerances.items() if n not in replaced}
             | tolerances,
             materials=None if "materials" in replaced else self.materials,
+            start=start_of(changes, self.start),
             changes={**self.changes, **changes},
         )
 
@@ -240,12 +252,13 @@ def _of_holder_and_part(quantities: Mapping[str, float]) -> dict[str, float]:
     return found
 
 
-def _replaced_by(changes: Iterable[str]) -> set[str]:
+def _replaced_by(changes: Mapping[str, object]) -> set[str]:
     """Return the quantities from which those in ``changes`` would be computed."""
     from_others = {
         n: (*SOURCES.get(n, ()), *((RATIOS[n],) if n in RATIOS else ())) for n in changes
     }
-    return {each for others in from_others.values() for each in others} - set(changes)
+    found = {each for others in from_others.values() for each in others} - set(changes)
+    return found | ({SPEED} if is_sudden(changes.get(SPEED)) else set())
 
 
 def load_device(path: Path | str, changes: Mapping[str, object] | None = None) -> StatedDevice:
@@ -266,6 +279,8 @@ def load_device(path: Path | str, changes: Mapping[str, object] | None = None) -
     replaced = _replaced_by(changes)
     mapping = {name: value for name, value in _mapping(path).items() if name not in replaced}
     try:
+        if "start" in mapping:
+            check_old_start(mapping["start"])
         at = _one_frequency(mapping)
         values, tolerances = _amounts(mapping, at)
         changed, others = _amounts(changes, _one_frequency({**mapping, **changes}))
@@ -278,13 +293,12 @@ def load_device(path: Path | str, changes: Mapping[str, object] | None = None) -
             free={n: read_range(n, v, unit_of(n), at) for n, v in _section("free", mapping)},
             limits=_limits(mapping),
             changes=dict(changes),
-            start=mapping.get("start"),
+            start=start_of({**mapping, **changes}),
             stated_shape=mapping.get("shape"),
             notes=_kept_amplitude(mapping, values, changes),
         )
-        for name, kind in (("start", Start), ("shape", Shape)):
-            if mapping.get(name) is not None:
-                check_name(str(mapping[name]), get_args(kind), name)
+        if mapping.get("shape") is not None:
+            check_name(str(mapping["shape"]), get_args(Shape), "shape")
         # Refuses unknown and missing quantities, before anything is computed from them.
         known = {n: v for n, v in stated.quantities.items() if n not in BASE}
         device(as_parameters(_of_holder_and_part(known)))
@@ -383,7 +397,7 @@ def _amounts(
     amounts = {
         name: read_amount(name, value, unit_of(name), frequency)
         for name, value in given.items()
-        if name not in _BESIDES
+        if name not in _BESIDES and not (name == SPEED and is_sudden(value))
     }
     tolerances = {n: each.tolerance for n, each in amounts.items() if each.tolerance is not None}
     return {name: each.value for name, each in amounts.items()}, tolerances
@@ -414,7 +428,9 @@ def _limits(mapping: Mapping[str, Any]) -> dict[str, float]:
 
 
 def _check_tolerances(stated: StatedDevice) -> None:
-    """Refuse tolerances within which the part can start wholly beside the slot."""
+    """Refuse tolerances without effect, or within which the part starts wholly beside the hole."""
+    if "phase" in stated.tolerances:
+        raise ValueError("phase: a tolerance has no effect, since every phase is tried")
     worst = {}
     for name, sign in (("half_width", -1.0), ("clearance", -1.0), ("misalignment", 1.0)):
         if name in stated.tolerances:

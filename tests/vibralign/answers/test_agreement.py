@@ -13,6 +13,7 @@ from collections.abc import Collection
 from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -21,6 +22,7 @@ import yaml
 
 from model.engine.results import RunResult
 from model.events.outcomes import Outcome
+from model.physics.approach import Start
 from model.physics.quantities import FORCE
 from model.physics.units import device as device_of
 from model.runs import in_browser
@@ -31,6 +33,7 @@ from tests.model.runs.browser import Browser
 from tests.vibralign.explorer.scripts import NODE, evaluate
 from vibralign import ALIGNMENT, INSERTION, Settings, Trajectory, load_device, reliable_at, simulate
 from vibralign.answers import yields
+from vibralign.answers.assumptions import assumptions
 from vibralign.answers.cases import cases_of
 from vibralign.answers.design import as_printed
 from vibralign.answers.design_trials import MEASURES, Trials
@@ -44,6 +47,11 @@ from vibralign.plots import device_sheet
 
 SQUARE = Path(__file__).resolve().parents[2] / "square"
 COUNT = 8
+STARTS: tuple[dict[str, object], ...] = (
+    {"approach_speed": "sudden"},
+    {"approach_speed": "30 mm/s", "vibrator": "still"},
+    {"approach_speed": "20 mm/s", "vibrator": "running"},
+)
 TILTS = (None, "0.2 deg", "-0.1 deg ± 0.2 deg", "0.1 deg σ 0.1 deg")
 VARIED = ("press_force", "frequency", "mass", "amplitude", "tilt_stiffness", "friction")
 HORIZON = 0.4  # s
@@ -51,7 +59,7 @@ ROUGH = ["--tolerance", "1e-6", "--horizon", f"{HORIZON} s"]
 
 
 def written(folder: Path, number: int) -> Path:
-    """Write a random device: pressed first or not, square or round, tilted, with chamfers."""
+    """Write a random device: with its start, square or round, tilted, with chamfers."""
     rng = np.random.default_rng(4100 + number)
     stated = load_device(SQUARE / "devices" / ("pin.yaml", "peg.yaml", "shaft.yaml")[number % 3])
     quantities = dict(stated.quantities)
@@ -67,8 +75,7 @@ def written(folder: Path, number: int) -> Path:
         play = quantities["clearance"] * quantities["half_width"]
         chamfer = 0.1 * (quantities["misalignment"] - play)
         lines |= {"peg_chamfer": chamfer, "hole_chamfer": 2.0 * chamfer}
-    if number % 3 == 1:
-        lines["start"] = "pressed"
+    lines |= STARTS[number % 3]
     path = folder / f"device{number}.yaml"
     path.write_text(yaml.safe_dump(lines, allow_unicode=True), encoding="utf-8")
     return path
@@ -119,8 +126,12 @@ def agreed(path: Path, folder: Path, capsys: pytest.CaptureFixture[str]) -> bool
 
     # Python: the same device, start, scene and verdict.
     assert assessed["shape"] == device.shape
-    start = "pressed" if "start: pressed" in path.read_text() else None
-    assert device.start == start
+    assert (
+        assessed["assumptions"]["start"]
+        == assumptions(device.parameters, device.run_settings(settings, device.units), device)[
+            "start"
+        ]
+    )
     assert reliable_at(device, settings, mass=[own["mass"]]).tolist() == [reliable]
     run = simulate(device, settings)
     told = said(capsys, "simulate", *file, *scene)
@@ -172,7 +183,7 @@ def agreed(path: Path, folder: Path, capsys: pytest.CaptureFixture[str]) -> bool
         assert bool(stored["reliable"][0, 0]) is bool(at_least[0])
 
     # The sheet, and the page that runs the device.
-    if start == "pressed":
+    if device.start == "still":
         assert cli.main(["assess", *file, *ROUGH, "--devices", "16", "--sheet", str(page)]) == 0
         sheet_text = page.read_text(encoding="utf-8")
         assert assessed["verdict"] in sheet_text
@@ -218,7 +229,7 @@ def on_page(text: str, shape: str) -> list[Trajectory | RunResult]:
     settings = Settings(
         tolerance=control["tolerance"],
         horizon=control["horizon"],
-        start="pressed" if control["pressed"] else "simultaneous",
+        start=get_args(Start)[int(control["start"])],
         scene=INSERTION if "inserted" in model["interface"]["events"] else ALIGNMENT,
         shape=model["interface"]["shape"],
     )

@@ -294,9 +294,11 @@ def test_a_doubtful_device_runs_with_a_warning(capsys):
     assert "amplitude = 6 mm is larger than half_width = 5 mm" in err
 
 
-def test_the_start_is_that_of_the_option_then_the_file_then_the_study(tmp_path, capsys):
+def test_a_device_states_its_start_and_the_paper_s_device_has_an_option(tmp_path, capsys):
     path = tmp_path / "peg.yaml"
-    path.write_text(Path(PEG).read_text(encoding="utf-8") + "start: pressed\n")
+    path.write_text(
+        Path(PEG).read_text(encoding="utf-8") + "approach_speed: 3 mm/s\nvibrator: still\n"
+    )
 
     def start_of(*arguments):
         record = short(capsys, *arguments)
@@ -305,8 +307,37 @@ def test_the_start_is_that_of_the_option_then_the_file_then_the_study(tmp_path, 
 
     assert start_of() == "simultaneous"
     assert start_of("--start", "pressed") == "pressed"
-    assert start_of("--device", str(path)) == "pressed"
-    assert start_of("--device", str(path), "--start", "simultaneous") == "simultaneous"
+    assert start_of("--device", str(path)) == "still"
+    assert start_of("--device", str(path), "--set", "vibrator=running") == "running"
+    assert start_of("--device", PEG, "--set", "approach_speed=20 mm/s") == "running"
+    assert start_of("--device", PEG, "--set", "approach_speed=sudden") == "simultaneous"
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        (["--start", "pressed"], ["'pressed'", "vibrator: still"]),
+        (["--start", "simultaneous"], ["'simultaneous'", "approach_speed: sudden"]),
+        (["--set", "vibrator=on"], ["'on'", "running, still"]),
+        (["--set", "approach_speed=sudden", "--set", "vibrator=still"], ["still", "no effect"]),
+        (["--set", "approach_speed=fast"], ["'fast'", "m/s"]),
+        (["--set", "initial_tilt=1 deg"], ["initial_tilt", "write gripper_tilt"]),
+        (["--set", "rest_tilt=1 deg"], ["rest_tilt", "write gripper_tilt"]),
+        (["--set", "rest_x=1 mm"], ["rest_x", "misalignment and gripper_tilt"]),
+        (["--set", "rest_y=1 mm"], ["rest_y", "press_force"]),
+        (["--set", "phase=0 ± 1"], ["phase", "no effect"]),
+        (["--set", "misalignment=-1 mm"], ["misalignment = -0.001", ">= 0"]),
+        (["--set", "misalignment=40 mm"], ["wholly beside"]),
+        (["--set", "peg_chamfer=5 mm"], ["peg_chamfer = 0.005", "half_width"]),
+        (["--set", "hole_chamfer=2 mm"], ["the chamfers meet", "no vibration needed"]),
+        (["--set", "gripper_tilt=28 deg"], ["already inside", "needs no alignment"]),
+        (["--set", "peg_chamfer=0.1 mm", "--scene", "insertion"], ["chamfer", "no further"]),
+    ],
+)
+def test_a_start_that_makes_no_sense_is_answered_with_what_to_write(given, words, capsys):
+    assert cli.main(["simulate", "--device", PEG, *given]) == cli.REFUSED
+    said = capsys.readouterr().err
+    assert all(each in said for each in words), said
 
 
 @pytest.mark.parametrize(
