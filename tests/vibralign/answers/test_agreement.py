@@ -23,6 +23,7 @@ import yaml
 from model.engine.results import RunResult
 from model.events.outcomes import Outcome
 from model.physics.approach import Start
+from model.physics.parameters import PARAMETER_NAMES
 from model.physics.quantities import FORCE
 from model.physics.units import device as device_of
 from model.runs import in_browser
@@ -31,7 +32,16 @@ from model.sweeps.starts import Starts
 from study.config import load_study, study_path
 from tests.model.runs.browser import Browser
 from tests.vibralign.explorer.scripts import NODE, evaluate
-from vibralign import ALIGNMENT, INSERTION, Settings, Trajectory, load_device, reliable_at, simulate
+from vibralign import (
+    ALIGNMENT,
+    INSERTION,
+    Batch,
+    Settings,
+    Trajectory,
+    load_device,
+    reliable_at,
+    simulate,
+)
 from vibralign.answers import yields
 from vibralign.answers.assumptions import assumptions
 from vibralign.answers.cases import cases_of
@@ -237,13 +247,14 @@ def on_page(text: str, shape: str) -> list[Trajectory | RunResult]:
     parameters = device_of(as_parameters(values)).parameters
     if NODE:
         by_page = evaluate({**model, "modules": None}, "asParameters(MODEL.baseline, MODEL)")
-        assert list(by_page) == list(parameters.given())
-        for name, value in parameters.given().items():
+        assert tuple(by_page) == PARAMETER_NAMES
+        for name in PARAMETER_NAMES:
+            value = getattr(parameters, name)
             assert by_page[name] == (value if value is None else pytest.approx(value, rel=1e-12))
     found: list[Trajectory | RunResult] = [simulate(parameters, settings)]
     if find_spec("wasmtime"):
         binary = gzip.decompress(base64.b64decode(model["modules"]["run_one"]))
-        given = np.array([[np.nan if v is None else v for v in parameters.given().values()]])
+        given = np.array([[each[0] for each in Batch.stack([parameters]).values.values()]])
         results, _ = Browser(binary, "run_one", model["interface"]).run(given, rows=0, **control)
         found.append(RunResult(*results[0]))
     return found
