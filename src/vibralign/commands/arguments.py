@@ -22,10 +22,10 @@ from model.runs.settings import SCENES, Settings
 from vibralign.commands.tables import in_columns
 from vibralign.device import StatedDevice, load_device
 from vibralign.device.amounts import read_amount
+from vibralign.device.approach import read_start
 from vibralign.device.mouth import MOUTH
 from vibralign.device.paper import baseline
 from vibralign.device.spelling import plain
-from vibralign.device.start import check_old_start
 from vibralign.device.stated import FOLLOWED, QUANTITIES, quantity_of, unit_of
 
 
@@ -52,9 +52,10 @@ def add_model_options(
     words = f"variant of one equation, consistent or printed; may be repeated: {names}"
     metavar = "NAME=READING"
     add("--reading", action="append", default=[], metavar=metavar, dest="switches", help=words)
-    words = "start of the paper's device, without --device: press and vibration set in together, "
-    words += "the part rests under a slow press first, or is lowered at its approach_speed "
-    words += "(default: simultaneous). A device states approach_speed and vibrator"
+    words = "start without --device: press and vibration set in together; the part rests under a "
+    words += "slow press before it vibrates; or it is lowered, vibrating (running) or not (still), "
+    words += "at its approach_speed (default: simultaneous). A device states approach_speed and "
+    words += "vibrator, or --set does"
     add("--start", choices=get_args(Start), help=words)
     words = (
         "round part in a round hole, or a square one beside a slot as in the paper (default: as "
@@ -144,7 +145,7 @@ def _stated_device(arguments: argparse.Namespace) -> StatedDevice | None:
     if arguments.device is None:
         return None
     if arguments.start is not None:
-        check_old_start(arguments.start)
+        read_start({"start": arguments.start})
     stated = load_device(arguments.device, pairs(arguments.changes, "--set"))
     for name, quantity in (("horizon", TIME), ("insertion_depth", LENGTH)):
         if (text := getattr(arguments, name)) is not None:
@@ -191,7 +192,7 @@ def _settings(arguments: argparse.Namespace, stated: StatedDevice | None) -> Set
         readings=Variants(**switches),
         scene=SCENES[arguments.scene or arguments.usual_scene],
         shape=arguments.shape,
-        start=(arguments.start or "simultaneous") if stated is None else stated.start,
+        start=None if stated else arguments.start or "simultaneous",
         insertion_depth=depth,
         horizon=horizon,
         tolerance=tolerance,

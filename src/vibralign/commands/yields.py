@@ -105,7 +105,7 @@ def yield_record(
 
 def _command(failing: "FailingDevice", stated: "StatedDevice", settings: "Settings") -> str:
     """Return the command line that runs a failing device."""
-    changes = {**stated.changes, **failing.quantities, **failing.start}
+    changes = {**stated.changes, **failing.quantities, **stated.stated_start, **failing.start}
     words = [f"vibralign simulate --device {shlex.quote(str(stated.source))}"]
     words.append(f"--scene {settings.scene.name}")
     if stated.horizon is not None:

@@ -1,7 +1,7 @@
 """Devices in SI units, read from YAML files: quantities, tolerances, base, free ranges, limits."""
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -10,7 +10,6 @@ from typing import Any, get_args
 import yaml
 
 from model.events.scenes import ALIGNMENT
-from model.physics.approach import Start
 from model.physics.fields import Bound
 from model.physics.parameters import FIELDS, Parameters, Shape, check_name
 from model.physics.quantities import LENGTH, PLAIN, Quantity
@@ -19,6 +18,15 @@ from model.physics.units import UNITS, Device, Units, device
 from model.runs.settings import Settings
 from model.sweeps import files
 from vibralign.device.amounts import Tolerance, read_amount, read_range
+from vibralign.device.approach import (
+    SPEED,
+    SUDDEN,
+    USUAL,
+    Approach,
+    Vibrator,
+    approaches_to_try,
+    read_start,
+)
 from vibralign.device.base import BASE, CENTRE, CENTRE_WORDS, SOURCES, pair_of, with_base
 from vibralign.device.holder import RATIOS, with_damping
 from vibralign.device.mouth import (
@@ -36,15 +44,6 @@ from vibralign.device.plausibility import (
     check_press,
     doubts,
 )
-from vibralign.device.start import (
-    SPEED,
-    USUAL_SPEED,
-    VIBRATOR,
-    VIBRATORS,
-    check_old_start,
-    is_sudden,
-    start_of,
-)
 
 # Upper limits that a design may have to keep: meaning and SI unit.
 LIMITS: Mapping[str, tuple[str, str]] = {
@@ -57,7 +56,7 @@ VIBRATION: Mapping[str, float] = {"needed": 1.0, "not needed": 0.0}
 _OWN = {**{n: each for n, each in FIELDS.items() if n not in REPLACED}, **UNITS, **MOUTH}
 QUANTITIES = (*UNITS, *(n for n in _OWN if n not in UNITS), *RATIOS, *BASE, CENTRE)
 FOLLOWED = "a part with chamfers is followed until its face has reached them, no further"
-_BESIDES = ("materials", "free", "limits", VIBRATOR, "shape")
+_BESIDES = ("materials", "free", "limits", "vibrator", "shape")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -73,8 +72,8 @@ class StatedDevice(Value):
         limits: largest admissible values of the names in ``LIMITS``; for "vibration" the share of
             devices that must not align without it, 1 or 0.
         changes: quantities that replace the file's, as they were given.
-        start: start of its runs (``Settings.start``), as ``approach_speed`` and ``vibrator`` state
-            it, or None.
+        vibrator: "running" or "still" during the approach, or None.
+        sudden: True if press and vibration set in at once, without an approach.
         stated_shape: shape of part and hole (``Settings.shape``), or None.
         horizon: latest time of its runs in s, or None for that of the settings in units of 1/p.
         insertion_depth: depth in m at which it counts as inserted, or None for the default.
@@ -88,7 +87,8 @@ class StatedDevice(Value):
     free: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     limits: Mapping[str, float] = field(default_factory=dict)
     changes: Mapping[str, object] = field(default_factory=dict)
-    start: Start | None = None
+    vibrator: Vibrator | None = None
+    sudden: bool = False
     stated_shape: Shape | None = None
     horizon: float | None = None
     insertion_depth: float | None = None
@@ -168,8 +168,26 @@ class StatedDevice(Value):
         """Return the quantities with ``changes``, of the holder and the part as ``MOUTH`` is."""
         replaced = _replaced_by(changes)
         kept = {name: v for name, v in self.quantities.items() if name not in replaced}
-        lowered = {SPEED: USUAL_SPEED} if self.start in VIBRATORS else {}
-        return _of_holder_and_part({**lowered, **kept, **changes})
+        approach = {} if self.sudden else {SPEED: USUAL}
+        return _of_holder_and_part({**approach, **kept, **changes})
+
+    def approaches(self, varied: Collection[str] = ()) -> tuple[Approach, ...]:
+        """Return the approaches that it meets: the stated one, or those to try; none if sudden.
+
+        The first is that of a single run. They have no speed if it is among the ``varied``.
+        """
+        if self.sudden:
+            return ()
+        own = self.quantities.get(SPEED)
+        return approaches_to_try(own, self.vibrator, varies=SPEED in varied)
+
+    def lowered(self, approach: Approach | None = None) -> "StatedDevice":
+        """Return the device with this approach stated, by default that of a single run."""
+        if self.sudden:
+            return self
+        vibrator, speed = approach or self.approaches()[0]
+        own = {} if speed is None else {SPEED: speed}
+        return replace(self, vibrator=vibrator, quantities={**self.quantities, **own})
 
     def changed(self, **changes: float | str) -> "StatedDevice":
         """Return the device with other values and the same tolerances.
@@ -181,19 +199,29 @@ class StatedDevice(Value):
         Raises:
             ValueError: an unknown quantity, or a text that is no amount.
         """
-        for name in changes.keys() - {VIBRATOR}:
-            check_quantity(name)
+        for name in changes:
+            if name not in ("vibrator", SPEED):
+                check_quantity(name)
+        vibrator, sudden = read_start(self.stated_start | changes)
         values, tolerances = _amounts(changes, self.quantities.get("frequency"))
-        replaced = _replaced_by(changes)
+        replaced = _replaced_by(changes) | ({SPEED} if sudden else set())
         return replace(
             self,
             quantities={n: v for n, v in self.quantities.items() if n not in replaced} | values,
             tolerances={n: each for n, each in self.tolerances.items() if n not in replaced}
             | tolerances,
             materials=None if "materials" in replaced else self.materials,
-            start=start_of(changes, self.start),
+            vibrator=vibrator,
+            sudden=sudden,
             changes={**self.changes, **changes},
         )
+
+    @property
+    def stated_start(self) -> dict[str, float | str]:
+        """What states its start, as ``changed`` takes it."""
+        speed = SUDDEN if self.sudden else self.quantities.get(SPEED)
+        stated = {SPEED: speed, "vibrator": self.vibrator}
+        return {name: each for name, each in stated.items() if each is not None}
 
     def run_settings(self, settings: Settings, units: Units) -> Settings:
         """Return ``settings`` with what is stated for runs; ``units`` are those of the device.
@@ -201,7 +229,7 @@ class StatedDevice(Value):
         Devices with other quantities have other units, and the same horizon and depth in SI units.
         """
         changes: dict[str, Any] = {
-            "start": settings.start or self.start,
+            "start": "simultaneous" if self.sudden else self.lowered().vibrator,
             "shape": settings.shape or self.shape,
         }
         if self.is_chamfered:
@@ -252,13 +280,12 @@ def _of_holder_and_part(quantities: Mapping[str, float]) -> dict[str, float]:
     return found
 
 
-def _replaced_by(changes: Mapping[str, object]) -> set[str]:
+def _replaced_by(changes: Iterable[str]) -> set[str]:
     """Return the quantities from which those in ``changes`` would be computed."""
     from_others = {
         n: (*SOURCES.get(n, ()), *((RATIOS[n],) if n in RATIOS else ())) for n in changes
     }
-    found = {each for others in from_others.values() for each in others} - set(changes)
-    return found | ({SPEED} if is_sudden(changes.get(SPEED)) else set())
+    return {each for others in from_others.values() for each in others} - set(changes)
 
 
 def load_device(path: Path | str, changes: Mapping[str, object] | None = None) -> StatedDevice:
@@ -276,11 +303,10 @@ def load_device(path: Path | str, changes: Mapping[str, object] | None = None) -
         NoNeedError: it is a valid device, which needs no alignment.
     """
     path, changes = Path(path), {} if changes is None else changes
-    replaced = _replaced_by(changes)
+    replaced = _replaced_by(changes) | ({SPEED} if changes.get(SPEED) == SUDDEN else set())
     mapping = {name: value for name, value in _mapping(path).items() if name not in replaced}
     try:
-        if "start" in mapping:
-            check_old_start(mapping["start"])
+        vibrator, sudden = read_start({**mapping, **changes})
         at = _one_frequency(mapping)
         values, tolerances = _amounts(mapping, at)
         changed, others = _amounts(changes, _one_frequency({**mapping, **changes}))
@@ -293,7 +319,8 @@ def load_device(path: Path | str, changes: Mapping[str, object] | None = None) -
             free={n: read_range(n, v, unit_of(n), at) for n, v in _section("free", mapping)},
             limits=_limits(mapping),
             changes=dict(changes),
-            start=start_of({**mapping, **changes}),
+            vibrator=vibrator,
+            sudden=sudden,
             stated_shape=mapping.get("shape"),
             notes=_kept_amplitude(mapping, values, changes),
         )
@@ -397,7 +424,7 @@ def _amounts(
     amounts = {
         name: read_amount(name, value, unit_of(name), frequency)
         for name, value in given.items()
-        if name not in _BESIDES and not (name == SPEED and is_sudden(value))
+        if name not in _BESIDES and value != SUDDEN
     }
     tolerances = {n: each.tolerance for n, each in amounts.items() if each.tolerance is not None}
     return {name: each.value for name, each in amounts.items()}, tolerances
