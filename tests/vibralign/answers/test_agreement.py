@@ -56,7 +56,7 @@ from vibralign.device.mouth import as_parameters
 from vibralign.plots import device_sheet
 
 SQUARE = Path(__file__).resolve().parents[2] / "square"
-COUNT = 8
+COUNT, MANY = 8, 60
 STARTS: tuple[dict[str, object], ...] = (
     {"approach_speed": "sudden"},
     {"approach_speed": "30 mm/s", "vibrator": "still"},
@@ -115,8 +115,11 @@ def _no_advice(monkeypatch: pytest.MonkeyPatch, _no_leeways: None) -> None:
 
 
 @pytest.mark.usefixtures("_no_advice")
-def test_every_command_gives_the_same_answer(tmp_path, capsys):
-    verdicts = [agreed(written(tmp_path, n), tmp_path, capsys) for n in range(COUNT)]
+@pytest.mark.parametrize(
+    "numbers", [range(COUNT), pytest.param(range(COUNT, MANY), marks=pytest.mark.nightly)], ids=str
+)
+def test_every_command_gives_the_same_answer(numbers, tmp_path, capsys):
+    verdicts = [agreed(written(tmp_path, n), tmp_path, capsys) for n in numbers]
     assert {True, False} == set(verdicts)  # devices of both kinds were asked
 
 
@@ -193,7 +196,7 @@ def agreed(path: Path, folder: Path, capsys: pytest.CaptureFixture[str]) -> bool
         assert bool(stored["reliable"][0, 0]) is bool(at_least[0])
 
     # The sheet, and the page that runs the device.
-    if device.start == "still":
+    if device.vibrator == "still":
         assert cli.main(["assess", *file, *ROUGH, "--devices", "16", "--sheet", str(page)]) == 0
         sheet_text = page.read_text(encoding="utf-8")
         assert assessed["verdict"] in sheet_text

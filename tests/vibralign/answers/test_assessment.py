@@ -287,7 +287,7 @@ def test_python_keeps_the_start_of_the_file_and_asks_what_assess_asks(tmp_path):
         encoding="utf-8",
     )
     pressed = load_device(path)
-    assert pressed.start == "still"
+    assert pressed.vibrator == "still"
     run = simulate(pressed, tolerance=1e-7)
     assert run.tau_align == simulate(pressed.parameters, tolerance=1e-7, start="still").tau_align
     other = simulate(pressed.changed(approach_speed="sudden"), tolerance=1e-7)

@@ -316,8 +316,8 @@ def test_a_device_states_its_start_and_the_paper_s_device_has_an_option(tmp_path
 @pytest.mark.parametrize(
     ("given", "words"),
     [
-        (["--start", "pressed"], ["'pressed'", "vibrator: still"]),
-        (["--start", "simultaneous"], ["'simultaneous'", "approach_speed: sudden"]),
+        (["--start", "pressed"], ["pressed", "vibrator: still"]),
+        (["--start", "simultaneous"], ["simultaneous", "approach_speed: sudden"]),
         (["--set", "vibrator=on"], ["'on'", "running, still"]),
         (["--set", "approach_speed=sudden", "--set", "vibrator=still"], ["still", "no effect"]),
         (["--set", "approach_speed=fast"], ["'fast'", "m/s"]),
