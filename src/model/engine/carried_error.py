@@ -12,12 +12,12 @@ Input: the workspace after ``step_all``, and the run's record. Output: the error
 
 from math import inf
 
-from model.compile.kernels import inlined_kernel, kernel
+from model.compile.kernels import inlined_kernel, kernel, separate_kernel
 from model.compile.vector_code import WIDTH, each_lane
 from model.engine import workspace
 from model.engine.rates import STILL, moved, rates_at
 from model.engine.record import AT, ERROR, constants_of, mode_of, state_in, store_state_in
-from model.engine.series_layout import ERROR_ORDER, LINES, ORDER, REMAINDER
+from model.engine.series_layout import ERROR_ORDERS, LINES, MOST_ERROR_ORDER, ORDER, REMAINDER
 from model.engine.workspace import (
     constants_of_lane,
     mode_of_lane,
@@ -27,7 +27,7 @@ from model.engine.workspace import (
 from model.events.friction import hold_sticking, without_slip
 from model.events.kernels import kind_of, level
 from model.events.table import OF_LENGTH
-from model.physics.modes import STICKING
+from model.physics.modes import CLOSED, STICKING
 from model.physics.motion import is_beside, is_supported
 from model.physics.notation import STATE_SIZE, State
 
@@ -48,17 +48,19 @@ def _size(q):
 @inlined_kernel
 def _error_after(length, w, lane):
     """The error at ``length`` after the step's start; it grows by the terms that series omit."""
-    error, omitted = STILL, STILL
-    for order in range(ERROR_ORDER, -1, -1):
+    error, omitted, last = STILL, STILL, w[workspace.ERROR_ORDER * WIDTH + lane]
+    for order in reversed(range(MOST_ERROR_ORDER + 1)):
+        if order in ERROR_ORDERS[:-1]:  # what other lanes need beyond is left out
+            error = State(*(each if order < last else 0.0 for each in error))
         known = state_in_lane(w, workspace.ERROR + order * LINES, lane)
         error = moved(known, length, error)
-    for order in range(ORDER + REMAINDER, ORDER, -1):
-        term = state_in_lane(w, workspace.COEFFICIENTS + order * LINES, lane)
+    for further in range(ORDER + REMAINDER, ORDER, -1):
+        term = state_in_lane(w, workspace.COEFFICIENTS + further * LINES, lane)
         omitted = moved(term, length, omitted)
     return moved(error, length ** (ORDER + 1), omitted)
 
 
-@kernel
+@separate_kernel
 def errors_at_ends(lanes, w):
     """Write the errors at the ends of the steps of all lanes, without slip where contacts stick."""
     for i in each_lane():
@@ -103,6 +105,27 @@ def _keeps_friction(presses, slip, presses_after, slip_after):
 
 
 @inlined_kernel
+def _has_the_same_forces(before, after):
+    """Return whether the same contacts press before and after an event, and slip the same way.
+
+    Then a gap has opened, or a stage of the fall has passed: a displaced run moves as this one.
+    """
+    return (
+        (before.face == CLOSED) == (after.face == CLOSED)
+        and (before.corner == CLOSED) == (after.corner == CLOSED)
+        and (before.side == CLOSED) == (after.side == CLOSED)
+        and (before.wall == CLOSED) == (after.wall == CLOSED)
+        and before.support_slip == after.support_slip
+        and before.side_slip == after.side_slip
+        and before.slip_at_corner == after.slip_at_corner
+        and before.slip_at_wall == after.slip_at_wall
+        and before.corner_offset == after.corner_offset
+        and (before.edge == after.edge or not is_supported(before))
+        and (before.in_slot == after.in_slot or not is_supported(before))
+    )
+
+
+@inlined_kernel
 def _is_continuous(kind, before, after):
     """Return whether forces and velocities, and with them the error, are continuous at an event.
 
@@ -117,7 +140,7 @@ def _is_continuous(kind, before, after):
     )
 
 
-@kernel
+@separate_kernel
 def apply_saltation(events, which, q, before, runs, i):
     """Carry the error of run ``i`` through the event ``which``, after the change of its mode.
 
@@ -126,7 +149,9 @@ def apply_saltation(events, which, q, before, runs, i):
     time, p, after = runs[i, AT.time], constants_of(events, runs, i), mode_of(runs, i)
     error = state_in(runs, ERROR, i)
     size = _size(error)
-    if not 0.0 < size < inf or _is_continuous(kind_of(events, which), before, after):
+    if not 0.0 < size < inf or _has_the_same_forces(before, after):
+        return
+    if _is_continuous(kind_of(events, which), before, after):
         return
     rates, rates_after = rates_at(time, q, p, before), rates_at(time, q, p, after)
     unit = moved(STILL, 1.0 / size, error)
@@ -141,7 +166,7 @@ def apply_saltation(events, which, q, before, runs, i):
     runs[i, AT.largest_error] = max(runs[i, AT.largest_error], _size(error))
 
 
-@kernel
+@separate_kernel
 def error_of_time(events, which, q, before, runs, i):
     """Return a bound of the error of the time of an event at ``q`` that ends the mode ``before``.
 

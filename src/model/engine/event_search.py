@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from model.compile.kernels import inlined_kernel, kernel
+from model.compile.kernels import inlined_kernel, kernel, separate_kernel
 from model.compile.vector_code import WIDTH
 from model.engine.lane_events import (
     QUANTITIES,
@@ -350,7 +350,7 @@ def _is_met(lanes, which, theta, w, lane):
     return other < 0.0
 
 
-@kernel
+@separate_kernel
 def first_event(lanes, w, lane, runs, search, i):
     """Return (which, θ) of the first event in the step; θ = ``NO_EVENT`` if there is none."""
     first, which_first, is_undecided, series = NO_EVENT, -1, False, search.series

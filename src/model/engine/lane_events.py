@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from model.compile.kernels import inlined_kernel, kernel
+from model.compile.kernels import inlined_kernel, kernel, separate_kernel
 from model.compile.vector_code import WIDTH, each_lane
 from model.engine.levels import Level, bound_in, coefficient_in, level_in, levels_of
 from model.engine.mode_kinds import (
@@ -276,7 +276,7 @@ def _sample_node(lanes, applicable, node, w):
                 _sample_single(lanes, event, node, w)
 
 
-@kernel
+@separate_kernel
 def sample_levels(lanes, applicable, w):
     """Write levels at every node and their curvature bounds, of the events in the mask."""
     for node in range(NODES):

@@ -11,7 +11,6 @@ from typing import Any
 from model.compile.vector_code import VectorWriter
 from model.engine.series import STATES, Constant, Sum, TaylorSeries
 from model.engine.series_layout import (
-    ERROR_ORDER,
     FURTHER_LINES,
     LINES,
     ORDERS,
@@ -35,8 +34,9 @@ class SeriesWriter(VectorWriter):
     places = "coefficients, given, last"
 
     def __init__(self, name: str, layout: Layout) -> None:
-        super().__init__(name, 3)
-        self.memory, self.given, self.other = self.arguments
+        super().__init__(name, self.places.count(",") + 1)
+        self.memory, self.given, *others = self.arguments
+        self.other, self.last = others[0], others[-1]
         self.layout = layout
         self.known: dict[Constant, str] = {}
         totals = [
@@ -56,7 +56,7 @@ class SeriesWriter(VectorWriter):
 
     def _further_orders(self) -> str:
         """The number of orders, after the first, from which a next one is computed."""
-        return self.count("sub", self.whole_number(self.other), "1")
+        return self.count("sub", self.whole_number(self.last), "1")
 
     def constant(self, value: Constant) -> str:
         """A constant, computed before the first order."""
@@ -235,19 +235,16 @@ class SeriesWriter(VectorWriter):
 
 
 class ErrorWriter(SeriesWriter):
-    """Writes the function (errors, given, coefficients): the series of the linearised motion.
+    """Writes the function (errors, given, coefficients, last): series of the linearised motion.
 
     ``errors`` has the layout of ``coefficients``, which are filled already. The errors of the
-    states are given at order 0; errors of their coefficients are filled in up to ERROR_ORDER.
+    states are given at order 0; errors of their coefficients are filled in up to ``last``.
     """
 
-    places = "errors, given, coefficients"
+    places = "errors, given, coefficients, last"
 
     def __init__(self, name: str, layout: Layout) -> None:
         super().__init__(name, layout.for_accelerations())
-
-    def _further_orders(self) -> str:
-        return str(ERROR_ORDER - 1)
 
     def _begin_next(self, order: str, *_: str) -> None:
         """Add the terms with the errors at ``order`` to all series that are ahead of it."""

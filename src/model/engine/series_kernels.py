@@ -26,7 +26,14 @@ from model.engine.series_layout import (
     TILT,
     Layout,
 )
-from model.engine.workspace import COEFFICIENTS, ERROR, LAST_ORDER, STEP_LENGTH, VALUES
+from model.engine.workspace import (
+    COEFFICIENTS,
+    ERROR,
+    FILLED_ORDER,
+    LAST_ORDER,
+    STEP_LENGTH,
+    VALUES,
+)
 from model.physics.parameters import Constants
 
 
@@ -97,7 +104,7 @@ class Series:
 
     Attributes:
         fill: functions (coefficients, given, last) of ``SeriesWriter``.
-        fill_errors: functions (errors, given, coefficients) of ``ErrorWriter``.
+        fill_errors: functions (errors, given, coefficients, last) of ``ErrorWriter``.
         sample: function of ``_SamplesWriter``.
         addresses: of ``fill``, then of ``fill_errors``; 0 for those that are not loaded.
     """
@@ -181,7 +188,7 @@ def fill_series(lanes, kind, addresses, w):
 def fill_errors(lanes, kind, addresses, w):
     """Fill the series of the errors of lanes; runs of a page carry none."""
     if not lanes.series.is_resident:
-        call_at(addresses[len(lanes.series.fill) + kind], w, (ERROR, 0, COEFFICIENTS))
+        call_at(addresses[len(lanes.series.fill) + kind], w, (ERROR, 0, COEFFICIENTS, FILLED_ORDER))
 
 
 @inlined_kernel

@@ -12,9 +12,10 @@ from copy import copy
 from model.engine.series import LACK_OF_PRESS, STATES, EventQuantities, Recurrences, TaylorSeries
 
 ORDER = 16  # of the series
-# Order of the linearised motion; lower ones fail on stiff bases (decision 3), where a step may last
-# 3 radians of a contact's oscillation.
-ERROR_ORDER = 9
+# Orders of the linearised motion, by how far the fastest oscillation turns in a step (decision 3):
+# on stiff bases it may be 3 radians.
+ERROR_ORDERS = (5, 7, 9)
+MOST_ERROR_ORDER = ERROR_ORDERS[-1]
 REMAINDER = 2  # further orders, which estimate what the series omits
 ORDERS = ORDER + REMAINDER + 1  # in memory
 STATE_LINES = len(STATES)

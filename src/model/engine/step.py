@@ -9,11 +9,11 @@ follows from the coefficients of the series. If the line stays above zero by mor
 there is no event in between.
 """
 
-from math import floor
+from math import floor, inf
 
 import numpy as np
 
-from model.compile.kernels import inlined_kernel, kernel
+from model.compile.kernels import inlined_kernel, kernel, separate_kernel
 from model.compile.vector_code import WIDTH, each_lane
 from model.engine.carried_error import errors_at_ends
 from model.engine.lane_events import (
@@ -25,12 +25,23 @@ from model.engine.lane_events import (
     sample_line,
 )
 from model.engine.series_kernels import fill_errors, fill_series, sample_series
-from model.engine.series_layout import LACK, LINES, NODES, ORDER, REMAINDER, SINES, TILT
+from model.engine.series_layout import (
+    ERROR_ORDERS,
+    LACK,
+    LINES,
+    NODES,
+    ORDER,
+    REMAINDER,
+    SINES,
+    TILT,
+)
 from model.engine.workspace import (
     CANDIDATES,
     COEFFICIENTS,
     CONTACTS_AT,
     END,
+    ERROR_ORDER,
+    FILLED_ORDER,
     HALT,
     LAST_ORDER,
     LINE,
@@ -48,6 +59,7 @@ from model.engine.workspace import (
 from model.events.event_functions import FLAT, NEVER, ON_AN_EVENT
 from model.events.friction import REST_SLIP, without_slip
 from model.physics.forces import lack_of_press
+from model.physics.motion import largest_rate
 from model.physics.trigonometry import sine_cosine
 
 ALL_SUBINTERVALS = 15  # mask
@@ -56,6 +68,9 @@ _LINES_OF_PLACES = tuple(range(CONTACTS_AT)), (*range(CONTACTS_AT), LINE["tips_d
 LAST_TERMS = 4.0  # size of the last terms of a series over the tolerance; the remainder is smaller
 # Below this level of a landing corner, whose rise lanes do not hold, the reference engine decides.
 TOO_FLAT_TO_TELL = 10.0 * FLAT
+
+
+_MOST_TURNED = (1.2, 2.2, inf)  # radians of the fastest oscillation in a step, by ``ERROR_ORDERS``
 
 
 @kernel
@@ -116,6 +131,27 @@ def _set_lengths(lanes, w):
         step = min(step, w[LONGEST * WIDTH + i])
         time, halt = w[TIME * WIDTH + i], w[HALT * WIDTH + i]
         w[STEP_LENGTH * WIDTH + i] = halt - time if time + 1.0001 * step >= halt else step
+
+
+@kernel
+def _set_error_orders(lanes, w):
+    """Set the order of each lane's error by how far its fastest oscillation turns in the step."""
+    for i in each_lane():
+        p, mode = constants_of_lane(lanes, w, i), mode_of_lane(lanes, w, i)
+        turned = w[STEP_LENGTH * WIDTH + i] * largest_rate(p, mode)
+        order = 0.0
+        for enough, most in reversed(tuple(zip(ERROR_ORDERS, _MOST_TURNED, strict=True))):
+            order = float(enough) if turned <= most else order
+        w[ERROR_ORDER * WIDTH + i] = order
+
+
+@inlined_kernel
+def _set_filled_order(w):
+    """Set the order to which errors are filled: the highest of all lanes."""
+    most = w[ERROR_ORDER * WIDTH]
+    for i in range(1, WIDTH):
+        most = max(most, w[ERROR_ORDER * WIDTH + i])
+    w[FILLED_ORDER * WIDTH] = most
 
 
 @inlined_kernel
@@ -282,7 +318,7 @@ def _end_steps(lanes, w):
         store_state_in_lane(end, w, END, i)
 
 
-@kernel
+@separate_kernel
 def step_all(lanes, kind, applicable, control, addresses, w):
     """Make one step in every lane, and find the candidates for events in it.
 
@@ -294,9 +330,11 @@ def step_all(lanes, kind, applicable, control, addresses, w):
     for i in each_lane():
         w[LAST_ORDER * WIDTH + i] = ORDER + REMAINDER * carries_error
     fill_series(lanes, kind, addresses, w)
-    if carries_error:
-        fill_errors(lanes, kind, addresses, w)
     _set_lengths(lanes, w)
+    if carries_error:
+        _set_error_orders(lanes, w)
+        _set_filled_order(w)
+        fill_errors(lanes, kind, addresses, w)
     sample_series(lanes, w)
     sample_levels(lanes, applicable, w)
     _screen(lanes, applicable, w)

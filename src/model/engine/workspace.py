@@ -34,8 +34,10 @@ MODE_LINE = GIVEN  # in the order of ``Mode``
     APPLICABLE,  # mask of the events that may apply in the mode
     CANDIDATES,  # mask of the events that may happen in the step
     LAST_ORDER,  # of the states' series
-) = range(MODE_LINE + len(Mode._fields), MODE_LINE + len(Mode._fields) + 8)
-END = LAST_ORDER + 1
+    ERROR_ORDER,  # of the error's series that a lane sums
+    FILLED_ORDER,  # of the error's series; the first lane counts
+) = range(MODE_LINE + len(Mode._fields), MODE_LINE + len(Mode._fields) + 10)
+END = FILLED_ORDER + 1
 ERROR_AT_END = END + STATE_SIZE  # the error that a run carries, at the end of the step
 ERROR = (
     ERROR_AT_END + STATE_SIZE

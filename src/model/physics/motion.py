@@ -179,6 +179,13 @@ def contact_rate(p, mode):
 
 
 @inlined_kernel
+def largest_rate(p, mode):
+    """Return an estimate of the part's fastest oscillation: of its contacts or its springs."""
+    springs = max(max(1.0, p.lateral_stiffness), p.tilt_stiffness / p.inertia)
+    return max(sqrt(springs), contact_rate(p, mode))
+
+
+@inlined_kernel
 def never_sticks(p):
     """Return True if the friction state never changes: printed friction (R2), or none."""
     return p.printed_friction_law != 0.0 or p.friction == 0.0

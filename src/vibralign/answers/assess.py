@@ -7,15 +7,14 @@ align in the alignment scene, and to go in in the insertion scene.
 
 import itertools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from model.events.insertion import INSERTION
-from model.events.outcomes import Reason
 from model.physics.parameters import Batch, Parameters
 from model.physics.tables import Value
 from model.physics.units import UNITS
@@ -23,6 +22,7 @@ from model.runs.settings import Settings
 from model.runs.simulate import Trajectory, simulate_once
 from model.sweeps.settings import Ensemble
 from model.sweeps.starts import Starts
+from vibralign.answers.approaches import ApproachVerdict, with_each_approach, worst_of
 from vibralign.answers.cases import (
     OF_BASE,
     approach_of,
@@ -122,29 +122,6 @@ class TiltVerdict(NamedTuple):
         return self.aligned == self.starts
 
 
-class ApproachVerdict(NamedTuple):
-    """Results of a device that is lowered in one way, at all tilts and on all bases.
-
-    ``force_least`` and ``force_most`` are the smallest and largest of its largest contact forces on
-    the bases; ``by_press`` counts the cases in which the press alone brings it in. The rest is as
-    in ``Successes``.
-    """
-
-    approach: Approach
-    starts: int
-    aligned: int
-    tau_best: float
-    tau_worst: float
-    force_least: float
-    force_most: float
-    by_press: int
-
-    @property
-    def reliable(self) -> bool:
-        """True if the device succeeds in every case with this approach."""
-        return self.aligned == self.starts
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class Assessment(Value):
     """Results of a device in every case, dimensionless, and its leeways.
@@ -202,7 +179,7 @@ class Assessment(Value):
     @property
     def worst(self) -> Approach | None:
         """Approach with which most cases fail, of these the slowest; None if only one is tried."""
-        return _worst_of(self.approaches)
+        return worst_of(self.approaches)
 
     def __repr__(self) -> str:
         words = "reliable" if self.reliable else "not reliable"
@@ -285,8 +262,8 @@ def assess(
     on_all = {name: column[0] for name, column in found.items()}
     results = {name: column[: len(cases)] for name, column in on_all.items()}  # tried first
     goes_in, tau, hops = results["goes_in"], results["tau_align"], results["separations"]
-    approaches = _with_each_approach(tried, on_all)
-    whole, worst = device, _worst_of(approaches)
+    approaches = with_each_approach(tried, on_all)
+    whole, worst = device, worst_of(approaches)
     every, of_worst = cases, [approach_of(case) in (None, worst) for case in cases]
     slowest_first = np.lexsort((-np.nan_to_num(tau + results["tau_inserted"]), goes_in))
     hardest = [without_approach(cases[i]) for i in slowest_first if of_worst[i]]  # fail first
@@ -362,41 +339,6 @@ def _run_in(
         settings = own.run_settings(settings, own.units)
     run = simulate_once(parameters, settings)
     return of_device(run, device) if isinstance(device, StatedDevice) else run
-
-
-def _worst_of(verdicts: Sequence[ApproachVerdict]) -> Approach | None:
-    def rank(each: ApproachVerdict) -> tuple[float, float]:
-        return each.aligned / each.starts, -np.nan_to_num(each.tau_worst)
-
-    return min(verdicts, key=rank).approach if verdicts else None
-
-
-def _with_each_approach(
-    cases: Starts, results: Mapping[str, NDArray[Any]]
-) -> tuple[ApproachVerdict, ...]:
-    """Return the verdicts on the approaches of the cases, shape (cases,) each; empty without."""
-    keys = [approach_of(case) for case in cases]
-    verdicts = []
-    for approach in dict.fromkeys(keys):
-        if approach is None:
-            continue
-        own = np.array([each == approach for each in keys])
-        bases = [str([case.get(name) for name in OF_BASE]) for case in cases]
-        force = results["contact_force_max"]
-        on_base = [
-            float(np.fmax.reduce(force[own & np.array([each == base for each in bases])]))
-            for base in dict.fromkeys(bases)
-        ]
-        verdicts.append(
-            ApproachVerdict(
-                approach,
-                *_successes(results["goes_in"][own], results["tau_align"][own]),
-                min(on_base),
-                max(on_base),
-                int((results["reason"][own] == Reason.BY_PRESS).sum()),
-            )
-        )
-    return tuple(verdicts)
 
 
 def _at_each_tilt(

@@ -22,6 +22,7 @@ from model.physics.tables import Value
 from model.runs.settings import Settings
 from model.sweeps.settings import Ensemble
 from model.sweeps.starts import Starts
+from vibralign.answers.approaches import in_worst_approach
 from vibralign.answers.cases import cases_of, stated_case
 from vibralign.answers.reliability import DeviceResults, Floats, need_vibration, run_devices
 from vibralign.device import StatedDevice, Tolerance, load_device
@@ -169,8 +170,10 @@ def yield_of(
     """
     if not isinstance(stated, StatedDevice):
         stated = load_device(stated)
-    starts = starts or cases_of(stated, Ensemble(), varied=stated.tolerances)
     settings = settings or Settings(scene=INSERTION)
+    if starts is None:
+        stated = in_worst_approach(stated, settings, Ensemble(), cores)
+        starts = cases_of(stated, Ensemble(), varied=stated.tolerances)
     if not stated.tolerances:
         raise ValueError(f"{stated.source}: no quantity has a tolerance, such as 10 N ± 5 %")
     check_devices(devices)

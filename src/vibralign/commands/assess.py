@@ -36,7 +36,8 @@ from vibralign.device.plausibility import NoNeedError
 if TYPE_CHECKING:
     from model.runs.settings import Settings
     from model.sweeps.starts import Starts
-    from vibralign.answers.assess import ApproachVerdict, Assessment, BaseVerdict, TiltVerdict
+    from vibralign.answers.approaches import ApproachVerdict
+    from vibralign.answers.assess import Assessment, BaseVerdict, TiltVerdict
     from vibralign.answers.design_trials import Check
     from vibralign.answers.leeways import Leeway, Nearest
     from vibralign.answers.limits import LimitResult

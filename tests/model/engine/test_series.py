@@ -32,10 +32,10 @@ from model.engine.mode_kinds import (
 )
 from model.engine.series import GIVEN, LANE_CONSTANTS, EventQuantities
 from model.engine.series_layout import (
-    ERROR_ORDER,
     FRACTIONS,
     LACK,
     LINES,
+    MOST_ERROR_ORDER,
     NODES,
     ORDER,
     ORDERS,
@@ -73,13 +73,16 @@ NORMAL = {FREE: OPEN, SLIDES: CLOSED, STICKS: CLOSED}
 
 
 LANES = {shape: lane_events_of(in_kernels(ALIGNMENT, shape == "round").events) for shape in SHAPES}
-crossing, enter_series, fill_series, largest_force, largest_tilt, motion, step_all = map(
+crossing, enter_series, fill_series, fill_errors = map(
     compiled,
     (
         event_search.crossing, lane_events.enter_series, series_kernels.fill_series,
-        peaks.largest_force, peaks.largest_tilt, motion_at, step.step_all,
+        series_kernels.fill_errors,
     ),
 )  # fmt: skip
+largest_force, largest_tilt, motion, step_all = map(
+    compiled, (peaks.largest_force, peaks.largest_tilt, motion_at, step.step_all)
+)
 
 
 def kind_of(support: int, side: int) -> int:
@@ -199,9 +202,12 @@ def test_a_carried_error_is_the_derivative_of_the_series(shape, support, side):
     more, less = (
         Step(support, side, 0.1, displacement=each, shape=shape) for each in (error, -error)
     )
+    more.w[workspace.FILLED_ORDER] = MOST_ERROR_ORDER
+    flat, lanes = more.w.reshape(-1), more.lanes
+    fill_errors(lanes, kind_of(support, side), lanes.series.addresses, flat)
     errors = more.w[workspace.ERROR :][: ORDERS * LINES].reshape(ORDERS, LINES, WIDTH)
-    found = errors[: ERROR_ORDER + 1, :6]
-    expected = 0.5 * (more.series - less.series)[: ERROR_ORDER + 1, :6]
+    found = errors[: MOST_ERROR_ORDER + 1, :6]
+    expected = 0.5 * (more.series - less.series)[: MOST_ERROR_ORDER + 1, :6]
     size = np.abs(expected).max(axis=1, keepdims=True)
     assert np.abs(found - expected).max() < 1e-5 * size.max()
     assert (np.abs(found - expected) < 1e-5 * size + 1e-14).all()

@@ -17,6 +17,7 @@ from model.events.scenes import ALIGNMENT, Scene
 LOOPS = {
     step._set_sines: "lanes, w",
     step._set_lengths: "lanes, w",
+    step._set_error_orders: "lanes, w",
     lane_events.sample_levels: "lanes, applicable, w",
     step._screen: "lanes, applicable, w",
     step._find_single: "lanes, which, w",
