@@ -25,6 +25,7 @@ from model.events.outcomes import Outcome
 from model.physics.approach import Start
 from model.physics.parameters import PARAMETER_NAMES
 from model.physics.quantities import FORCE
+from model.physics.tables import vars_of
 from model.physics.units import device as device_of
 from model.runs import in_browser
 from model.runs.in_browser import Modules, interface
@@ -37,7 +38,6 @@ from vibralign import (
     INSERTION,
     Batch,
     Settings,
-    Trajectory,
     load_device,
     reliable_at,
     simulate,
@@ -52,7 +52,7 @@ from vibralign.answers.si import si_words
 from vibralign.commands import main as cli
 from vibralign.commands import sheet
 from vibralign.device import StatedDevice
-from vibralign.device.mouth import as_parameters
+from vibralign.device.mouth import as_parameters, judged
 from vibralign.plots import device_sheet
 
 SQUARE = Path(__file__).resolve().parents[2] / "square"
@@ -211,7 +211,7 @@ def agreed(path: Path, folder: Path, capsys: pytest.CaptureFixture[str]) -> bool
     for shown in on_page(text, device.shape):
         for name in ("tau_align", *FORCES.values()):
             expected = pytest.approx(getattr(run, name), rel=1e-6, nan_ok=True)
-            assert getattr(shown, name) == expected
+            assert shown[name] == expected
     assert f'"forces_known": "{known}' in text
     for name in ("base", "start", "horizon"):
         assert assessed["assumptions"][name] in text
@@ -234,8 +234,8 @@ def starts_of_study(device: StatedDevice, varied: Collection[str] = ()) -> Start
     return cases_of(device, load_study(study_path()).maps.ensemble, varied=varied)
 
 
-def on_page(text: str, shape: str) -> list[Trajectory | RunResult]:
-    """Return the run of a page's device and settings: by Python, by the page's engine."""
+def on_page(text: str, shape: str) -> list[dict[str, float]]:
+    """Return the results of a page's device: by Python, by the page's engine and its scripts."""
     model = json.loads(text.partition('id="model">')[2].partition("</script>")[0])
     values = {name: v for name, v in model["baseline"].items() if v is not None}
     control = model["control"]
@@ -254,10 +254,23 @@ def on_page(text: str, shape: str) -> list[Trajectory | RunResult]:
         for name in PARAMETER_NAMES:
             value = getattr(parameters, name)
             assert by_page[name] == (value if value is None else pytest.approx(value, rel=1e-12))
-    found: list[Trajectory | RunResult] = [simulate(parameters, settings)]
+    names = ("tau_align", "tilt_max", "tilt_at_alignment", *FORCES.values())
+    run = simulate(parameters, settings)
+    found = [{name: float(getattr(run, name)) for name in names}]
     if find_spec("wasmtime"):
         binary = gzip.decompress(base64.b64decode(model["modules"]["run_one"]))
         given = np.array([[each[0] for each in Batch.stack([parameters]).values.values()]])
         results, _ = Browser(binary, "run_one", model["interface"]).run(given, rows=0, **control)
-        found.append(RunResult(*results[0]))
-    return found
+        by_name = RunResult(*results[0])._asdict()
+        found.append({name: by_name[name] for name in names})
+    if not NODE:
+        return [
+            dict(judged(*each, chamfered="hole_chamfer" in values))
+            for each in (
+                ({n: np.array(v) for n, v in one.items()}, vars_of(parameters)) for one in found
+            )
+        ]
+    shown = [{n: v if np.isfinite(v) else None for n, v in one.items()} for one in found]
+    said = evaluate({**model, "modules": None, "found": shown},
+                    "MODEL.found.map((each) => judged(each, MODEL.baseline))")  # fmt: skip
+    return [{n: math.nan if v is None else v for n, v in one.items()} for one in said]
