@@ -458,6 +458,9 @@ def _check_tolerances(stated: StatedDevice) -> None:
     """Refuse tolerances without effect, or within which the part starts wholly beside the hole."""
     if "phase" in stated.tolerances:
         raise ValueError("phase: a tolerance has no effect, since every phase is tried")
+    for name, each in stated.tolerances.items():
+        if each.end(stated.quantities[name]) == 0.0:
+            raise ValueError(f"{name}: a tolerance in per cent of 0 has no effect: write an amount")
     worst = {}
     for name, sign in (("half_width", -1.0), ("clearance", -1.0), ("misalignment", 1.0)):
         if name in stated.tolerances:

@@ -326,6 +326,7 @@ def test_a_device_states_its_start_and_the_paper_s_device_has_an_option(tmp_path
         (["--set", "rest_x=1 mm"], ["rest_x", "misalignment and gripper_tilt"]),
         (["--set", "rest_y=1 mm"], ["rest_y", "press_force"]),
         (["--set", "phase=0 ± 1"], ["phase", "no effect"]),
+        (["--set", "gripper_tilt=0 deg ± 5 %"], ["gripper_tilt", "no effect", "amount"]),
         (["--set", "misalignment=-1 mm"], ["misalignment = -0.001", ">= 0"]),
         (["--set", "misalignment=40 mm"], ["wholly beside"]),
         (["--set", "peg_chamfer=5 mm"], ["peg_chamfer = 0.005", "half_width"]),
