@@ -154,11 +154,14 @@ truth-round: environment-bench
 # changes. The stamp is written last, so that an interrupted build is done again.
 TAG := $(shell $(PYTHON) -c 'import sys; print("%d.%d.%d" % sys.version_info[:3])' 2>/dev/null)
 
-# One make builds at a time, under a lock that the system releases with the process; another waits and
-# then finds the environment complete.
-locked = $(PYTHON) -c 'import fcntl, os, sys; \
+# One make builds at a time, under a lock that the system releases with the process; another says so,
+# waits, and then finds the environment complete.
+locked = $(PYTHON) -c 'import fcntl, os, signal, sys; \
+	words = "another make builds the environment here: waiting until it is complete"; \
+	signal.signal(signal.SIGALRM, lambda *_: print(words, file=sys.stderr)); signal.alarm(1); \
 	lock = os.open(".make-environment.lock", os.O_RDWR | os.O_CREAT, 0o644); \
-	fcntl.flock(lock, fcntl.LOCK_EX); os.set_inheritable(lock, True); os.execvp(sys.argv[1], sys.argv[1:])'
+	fcntl.flock(lock, fcntl.LOCK_EX); signal.alarm(0); os.set_inheritable(lock, True); \
+	os.execvp(sys.argv[1], sys.argv[1:])'
 
 environment: python
 	@$(locked) $(MAKE) --silent --no-print-directory .venv/.complete-$(TAG)
@@ -214,9 +217,10 @@ pin = UV_CUSTOM_COMPILE_COMMAND="make lock" .lock-venv/bin/uv pip compile pyproj
 	--generate-hashes --no-config --no-annotate $(LOCK_FLAGS) --output-file $(1)
 
 clean:
-	@[ ! -f .snakemake/run.lock ] || $(PYTHON) -c 'import fcntl; \
-		fcntl.flock(open(".snakemake/run.lock"), fcntl.LOCK_SH | fcntl.LOCK_NB)' 2>/dev/null || { \
-		echo "a Snakemake runs the study here: wait for it or stop it" >&2; exit 1; }
+	@$(PYTHON) -c 'import fcntl, glob; \
+		[fcntl.flock(open(lock), fcntl.LOCK_SH | fcntl.LOCK_NB) \
+		for lock in glob.glob("results*/history/lock")]' 2>/dev/null || { \
+		echo "another start builds results here now: wait until it ends, or stop it" >&2; exit 1; }
 	@[ ! -d .snakemake/slurm_logs ] || $(in_env) python -m study.tracking.slurm
 	find results -mindepth 1 ! -name README.md -delete
 	rm -rf results-* .snakemake build dist site docs/examples

@@ -7,10 +7,11 @@ from snakemake.utils import min_version
 
 from study.config import COMPUTED, FIGURES, GRIDDED, MAPS, SCHEMATICS
 from study.config import ConfigError, check_files, check_study, study_files
-from study.tracking import TrackingError
-from study.tracking.invocation import begin
+from study.config.base import results_folder
+from study.tracking.starts import begin, configure, refuse_module
 
 min_version("9.14")
+refuse_module(workflow)
 
 
 report: "workflow/report/study.rst"
@@ -25,15 +26,16 @@ for file in study_files(Path(workflow.basedir, "config/config.yaml")):
 
 
 try:
-    invocation = begin(config)
-except TrackingError as refused:
-    raise WorkflowError(str(refused))
+    root = Path(results_folder(config["results_root"]))
+except ValueError:  # refused below; the start is recorded all the same
+    root = Path("results")
+start = begin(workflow, root)
 try:
     check_files(workflow.configfiles)
     study = check_study(config, "config")
 except ConfigError as fault:
     raise WorkflowError(f"the configuration breaks a rule\n{fault}")
-invocation.metadata["study"] = study.model_dump(mode="json")
+configure(start, study.model_dump(mode="json"))
 
 
 pathvars:
@@ -54,7 +56,6 @@ include: "workflow/rules/claims.smk"
 include: "workflow/rules/report.smk"
 include: "workflow/rules/accuracy.smk"
 include: "workflow/rules/identification.smk"
-include: "workflow/rules/recording.smk"
 
 
 rule all:

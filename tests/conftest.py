@@ -1,13 +1,8 @@
 """Shared fixtures. Floating-point accidents are errors: no test may pass on a silent NaN."""
 
 import importlib
-import json
-import os
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
-from datetime import UTC, datetime
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -16,12 +11,12 @@ import yaml
 
 from model.physics.parameters import Constants
 from model.sweeps.axes import Family
-from model.sweeps.io import write_dataset
 from study.config import Curves, Map, Study, check_study, read_study, study_path
-from study.tracking.invocation import Invocation
-from study.tracking.job import INVOCATION, write_sidecar
+from tests.build import built, copy_of_built, make_workspace, results, tiny, workspace
 from vibralign import Batch, Parameters, Variants, align, simulate
 from vibralign.device.paper import baseline
+
+__all__ = ["built", "copy_of_built", "make_workspace", "results", "tiny", "workspace"]
 
 LANE_CONSTANTS = Variants.consistent()
 
@@ -34,7 +29,10 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 # Files that take longest. The second begins while the study of the first is built.
-_FIRST = ["test_workflow", "test_in_browser", "test_nothing_lost", "test_reruns", "test_mutations"]
+_FIRST = [
+    "test_workflow", "test_in_browser", "test_nothing_lost", "test_record", "test_reruns",
+    "test_mutations",
+]  # fmt: skip
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
@@ -130,17 +128,7 @@ def _no_leeways(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr(module, name, lambda *_, nothing=nothing: nothing)
 
 
-# --- A study that has been run --------------------------------------------------------------
-
-_COUNTS = {
-    "trajectories": 4, "aligned": 3, "settled": 1, "left_scene": 0, "horizon_reached": 0,
-    "failed": 0, "sensitive": 0, "rhs_evaluations": 100,
-}  # fmt: skip
-_PARAMETERS = {"press_force": 3.0, "tilt_stiffness": 12.0, "friction": 0.12}
-_DIMENSIONS = [
-    {"parameter": "tilt_stiffness", "values": [5.0, 7.0]},
-    {"parameter": "press_force", "start": 1.0, "stop": 2.0, "count": 2},
-]
+# --- A dataset of a figure ------------------------------------------------------------------------
 
 
 def _dataset(shift: float = 0.0, figure: str = "fig06") -> xr.Dataset:
@@ -158,92 +146,6 @@ def _dataset(shift: float = 0.0, figure: str = "fig06") -> xr.Dataset:
         {"tilt_stiffness": [5.0, 7.0], "press_force": [1.0, 2.0]},
         {"figure": figure, "config_hash": "0", "kind": "curves"},
     )
-
-
-class RecordedStudy:
-    """A results root with invented runs: tracking is tested without computing anything."""
-
-    def __init__(self, root: Path) -> None:
-        self.root = root
-
-    def invocation(self) -> Invocation:
-        made = Invocation(self.root)
-        os.environ[INVOCATION] = made.name
-        made.record()
-        return made
-
-    @contextmanager
-    def invoked(self, outcome: str = "done") -> Iterator[Invocation]:
-        """An invocation that runs what stands in the block, and ends so."""
-        made = self.invocation()
-        yield made
-        made.end(outcome)
-
-    def built(self, shift: float = 0.0, **metadata: Any) -> str:
-        """The name of an invocation that built one figure."""
-        with self.invoked() as made:
-            self.merge(shift, **metadata)
-        return made.name
-
-    def sidecar(
-        self, run: str, files: Sequence[Path], inputs: Sequence[Path] = (), **metadata: Any
-    ) -> None:
-        """The sidecar of a job, beside the first of its files."""
-        record = files[0].with_suffix(".run.json")
-        stated = {"code": "0", "sources": {}, **metadata}
-        write_sidecar(record, run, files, inputs, stated, datetime.now(UTC))
-
-    def log(self, run: str, text: str = "") -> None:
-        path = self.root / "logs" / f"{run}.log"
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, encoding="utf-8")
-
-    def merge(self, shift: float = 0.0, figure: str = "fig06", **metadata: Any) -> None:
-        """Files that the job "merge" of a figure leaves."""
-        self.log(f"merge/{figure}")
-        path = self.root / "data" / f"{figure}.nc"
-        write_dataset(_dataset(shift, figure), path)
-        stated = {
-            "parameters": _PARAMETERS,
-            "dimensions": _DIMENSIONS,
-            "counts": _COUNTS,
-            **metadata,
-        }
-        self.sidecar(f"merge/{figure}", [path], **stated)
-
-    def compare(self, seconds: str = "") -> None:
-        """Files that a job leaves in two folders."""
-        data, times = (self.root / folder / "precision.csv" for folder in ("data", "benchmarks"))
-        for path, text in ((data, "method\n"), (times, f"method,seconds\n{seconds}")):
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(text, encoding="utf-8")
-        self.sidecar("precision", [data, times])
-
-    def claims(self) -> None:
-        """Files of a job whose output is in the results root itself."""
-        path = self.root / "claims.csv"
-        path.write_text("id,verdict\nF6a,reproduced\n", encoding="utf-8")
-        data = sorted((self.root / "data").glob("fig*.nc"))
-        self.sidecar("claims", [path], data)
-
-    def run_of_claims(self, shift: float = 0.0) -> None:
-        """A dataset with the name of a figure's, in another folder."""
-        path = self.root / "data/claims/fig06.nc"
-        write_dataset(_dataset(shift), path)
-        self.sidecar("claims_runs/fig06", [path])
-
-    def fail(self, run: str, text: str) -> None:
-        """Files of a job that raises: a log, and nothing else."""
-        self.log(run, text)
-        for path in self.root.glob("**/*.run.json"):
-            if json.loads(path.read_text(encoding="utf-8"))["run"] == run:
-                path.unlink()
-
-
-@pytest.fixture
-def recorded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> RecordedStudy:
-    monkeypatch.setenv(INVOCATION, "")  # so that what a test announces is forgotten after it
-    return RecordedStudy(tmp_path / "results")
 
 
 @pytest.fixture

@@ -20,14 +20,57 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from model.events.insertion import INSERTION as INSERTION
+    from model.events.outcomes import Outcome as Outcome
+    from model.events.outcomes import Reason as Reason
+    from model.events.scenes import ALIGNMENT as ALIGNMENT
+    from model.events.scenes import PRINTED_CONTACTS as PRINTED_CONTACTS
+    from model.events.scenes import SUSPENDED as SUSPENDED
+    from model.events.scenes import Scene as Scene
+    from model.physics.parameters import Batch as Batch
+    from model.physics.parameters import Parameters as Parameters
+    from model.physics.variants import Variants as Readings
+    from model.physics.variants import Variants as Variants
+    from model.runs.align import Alignments as Alignments
+    from model.runs.settings import Settings as Settings
+    from model.runs.simulate import Trajectory as Trajectory
     from vibralign.answers.assess import assess as assess
     from vibralign.answers.design import Design as Design
     from vibralign.answers.design import design as design
     from vibralign.answers.reliability import DeviceResults as DeviceResults
+    from vibralign.answers.reliability import reliable_at as reliable_at
     from vibralign.answers.si import readable as readable
     from vibralign.answers.yields import Yield as Yield
     from vibralign.answers.yields import yield_of as yield_of
+    from vibralign.device import StatedDevice as StatedDevice
+    from vibralign.device import load_device as load_device
+    from vibralign.device.paper import baseline as baseline
+    from vibralign.device.runs import align as align
+    from vibralign.device.runs import simulate as simulate
     from vibralign.studies import sweep as sweep
+
+# The names by their modules, which are imported when a name is used: together they take seconds.
+_NAMES = {
+    "model.events.insertion": "INSERTION",
+    "model.events.outcomes": "Outcome Reason",
+    "model.events.scenes": "ALIGNMENT PRINTED_CONTACTS SUSPENDED Scene",
+    "model.physics.parameters": "Batch Parameters",
+    "model.physics.variants": "Variants",
+    "model.runs.align": "Alignments",
+    "model.runs.settings": "Settings",
+    "model.runs.simulate": "Trajectory",
+    "vibralign.answers.assess": "assess",
+    "vibralign.answers.design": "Design design",
+    "vibralign.answers.reliability": "DeviceResults reliable_at",
+    "vibralign.answers.si": "readable",
+    "vibralign.answers.yields": "Yield yield_of",
+    "vibralign.device": "StatedDevice load_device",
+    "vibralign.device.paper": "baseline",
+    "vibralign.device.runs": "align simulate",
+    "vibralign.studies": "sweep",
+}
+_PLACES = {name: module for module, names in _NAMES.items() for name in names.split()}
+__all__ = ["Readings", *_PLACES]  # noqa: PLE0604 - names
 
 
 def _load_model() -> None:
@@ -57,72 +100,16 @@ def _load_model() -> None:
 
 
 _load_model()
-# ruff: noqa: E402
-from model.events.insertion import INSERTION
-from model.events.outcomes import Outcome, Reason
-from model.events.scenes import ALIGNMENT, PRINTED_CONTACTS, SUSPENDED, Scene
-from model.physics.parameters import Batch, Parameters
-from model.physics.variants import Variants
-from model.runs.align import Alignments
-from model.runs.settings import Settings
-from model.runs.simulate import Trajectory
-from model.sweeps.version import version as _version
-from vibralign.answers.reliability import reliable_at
-from vibralign.device import StatedDevice, load_device
-from vibralign.device.paper import baseline
-from vibralign.device.runs import align, simulate
-
-Readings = Variants  # the name in the API
-
-__version__ = _version()
-
-# Imported when they are used, because they take half a second.
-_LATER = {
-    "Design": "vibralign.answers.design",
-    "DeviceResults": "vibralign.answers.reliability",
-    "Yield": "vibralign.answers.yields",
-    "assess": "vibralign.answers.assess",
-    "design": "vibralign.answers.design",
-    "readable": "vibralign.answers.si",
-    "sweep": "vibralign.studies",
-    "yield_of": "vibralign.answers.yields",
-}
-__all__ = [
-    "ALIGNMENT",
-    "INSERTION",
-    "PRINTED_CONTACTS",
-    "SUSPENDED",
-    "Alignments",
-    "Batch",
-    "Design",
-    "DeviceResults",
-    "Outcome",
-    "Parameters",
-    "Readings",
-    "Reason",
-    "Scene",
-    "Settings",
-    "StatedDevice",
-    "Trajectory",
-    "Variants",
-    "Yield",
-    "align",
-    "assess",
-    "baseline",
-    "design",
-    "load_device",
-    "readable",
-    "reliable_at",
-    "simulate",
-    "sweep",
-    "yield_of",
-]
 
 
 def __getattr__(name: str) -> Any:
-    if name not in _LATER:
+    if name == "__version__":
+        return importlib.import_module("model.sweeps.version").version()
+    if name == "Readings":  # the name in the API
+        return __getattr__("Variants")
+    if name not in _PLACES:
         raise AttributeError(f"module 'vibralign' has no attribute {name!r}")
-    return getattr(importlib.import_module(_LATER[name]), name)
+    return getattr(importlib.import_module(_PLACES[name]), name)
 
 
 def __dir__() -> list[str]:

@@ -1,7 +1,6 @@
 """Studies of devices: one call from devices and ranges with units to a dataset in SI units."""
 
 import json
-import math
 import numbers
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, fields
@@ -31,7 +30,6 @@ from vibralign.answers.maps import corners_of, quantity_attributes
 from vibralign.device.amounts import read_values
 from vibralign.device.batches import by_settings, devices_of, rows_of
 from vibralign.device.mouth import judged
-from vibralign.device.plausibility import check_press
 from vibralign.device.runs import IN_SI, AnyDevice, Device, devices_in, with_changes
 from vibralign.device.stated import StatedDevice, check_quantity, unit_of
 
@@ -94,17 +92,26 @@ def sweep(
     for one, _ in devices:
         _check(one, values)
     parts = [_study(one, own, values, cores) for one, own in devices]
-    found = parts[0]
     if not isinstance(device, (Parameters, StatedDevice, str)) and isinstance(device, Iterable):
-        names_of = xr.Variable("device", [each.attrs["device"] for each in parts])
-        found = xr.concat(
-            parts, names_of, data_vars="all", coords="minimal", compat="override", join="exact"
-        )
-        found = found.assign_coords(device=names_of)
-    words = [
-        _assumed(one, own, each) for one, own in devices for each in corners_of(_lists(values))
-    ]
-    return described(found.assign_attrs(assumptions=as_attribute(at_corners(words))))
+        return described(_side_by_side(parts))
+    return described(parts[0])
+
+
+def _side_by_side(parts: list[xr.Dataset]) -> xr.Dataset:
+    """Return the datasets of several devices as one, with the dimension ``device``.
+
+    An attribute that differs between the devices is a variable of its name.
+    """
+    names = xr.Variable("device", [each.attrs["device"] for each in parts])
+    found = xr.concat(
+        parts, names, data_vars="all", coords="minimal", compat="override", join="exact",
+        combine_attrs="drop_conflicts",
+    )  # fmt: skip
+    differing = {name for each in parts for name in each.attrs} - set(found.attrs)
+    own = {name: ("device", [each.attrs[name] for each in parts])
+           for name in sorted(differing - {"device", "title"})}  # fmt: skip
+    title = f"Study of {len(parts)} devices"
+    return found.assign(own).assign_coords(device=names).assign_attrs(title=title)
 
 
 def _lists(axes: Axes) -> dict[str, list[float]]:
@@ -112,14 +119,13 @@ def _lists(axes: Axes) -> dict[str, list[float]]:
 
 
 def _check(device: Device, axes: Axes) -> None:
-    """Refuse values that break a rule, of every axis and at the corners of the grid."""
+    """Refuse values that no file may state, of every axis and at the corners of the grid."""
     lists = _lists(axes)
     first = {name: values[0] for name, values in lists.items()}
     alone = [first | {name: value} for name, values in lists.items() for value in values]
     for each in [*corners_of(lists), *alone]:
         if isinstance(device, StatedDevice):
-            check_press(each.get("press_force", math.inf))
-            device.at(each)
+            device.admitted(each)
         else:
             device.replace(**each)
 
@@ -165,6 +171,8 @@ def _study(device: Device, settings: Settings, axes: Axes, cores: int | None) ->
     }
     dimensions = {name: (name, v, _of_quantity(device, name)) for name, v in swept.items()}
     stated = _stated(device, next(iter(groups)), swept)
+    words = [_assumed(device, settings, each) for each in corners_of(_lists(axes))]
+    stated["assumptions"] = as_attribute(at_corners(words))
     return xr.Dataset(variables | held, dimensions, stated)
 
 

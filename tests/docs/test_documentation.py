@@ -2,6 +2,7 @@
 
 import ast
 import re
+import subprocess
 from importlib.metadata import version
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from study.schematics import DRAWINGS
 
 REPOSITORY = Path(__file__).parents[2]
 DOCS = REPOSITORY / "docs"
+PAGES = [*REPOSITORY.glob("*.md"), *DOCS.rglob("*.md")]
 HELD_BY = re.compile(r"^```\{held-by\}\n(.*?)^```", re.MULTILINE | re.DOTALL)
 LABEL = re.compile(r"^\$\$ \((eq-\w+)\)$", re.MULTILINE)
 LINK = re.compile(r"\]\(([^)#\s]+)\)")
@@ -90,6 +92,20 @@ def test_links_and_files_of_the_top_pages_exist(name):
     text = (REPOSITORY / name).read_text(encoding="utf-8")
     for target in LINK.findall(text):
         assert "://" in target or (REPOSITORY / target).exists(), target
+
+
+COMMIT = re.compile(r"\b(?:commit|at) `?([0-9a-f]{7,40})\b")
+
+
+def test_commits_that_a_page_names_exist():
+    if not (REPOSITORY / ".git").exists() or (REPOSITORY / ".git/shallow").exists():
+        pytest.skip("no checkout with its history")
+    named = {name for page in PAGES for name in COMMIT.findall(page.read_text(encoding="utf-8"))}
+    assert len(named) >= 5
+    asked = ["git", "-C", str(REPOSITORY), "cat-file", "--batch-check"]
+    given = "".join(f"{name}^{{commit}}\n" for name in sorted(named))
+    told = subprocess.run(asked, input=given, capture_output=True, text=True, check=True).stdout
+    assert [line for line in told.splitlines() if line.split()[1:2] != ["commit"]] == []
 
 
 def test_the_version_is_stated_once():

@@ -12,11 +12,7 @@ from vibralign.answers import leeways
 from vibralign.commands import main as cli
 
 REPOSITORY = Path(__file__).parents[2]
-PAGES = [
-    path
-    for path in [*REPOSITORY.glob("*.md"), *(REPOSITORY / "docs").rglob("*.md")]
-    if "decisions" not in path.relative_to(REPOSITORY).parts
-]
+PAGES = [*REPOSITORY.glob("*.md"), *(REPOSITORY / "docs").rglob("*.md")]
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 COMMAND = re.compile(
     r"^(?: {4}|\$ )(?:\w+=\S+ )*(vibralign|python -m study|make|snakemake)\b([^#\n]*)", re.MULTILINE

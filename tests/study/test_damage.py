@@ -20,7 +20,7 @@ from study.claims.ledger import read_ledger
 from study.csv_tables import TableError
 from study.tracking import TrackingError, code
 from study.tracking.compare import changed_verdicts
-from study.tracking.history import load_history, set_aside_damaged
+from study.tracking.history import load_history
 from study.tracking.reference import verify
 from vibralign.device import DeviceError, load_device
 
@@ -84,25 +84,11 @@ class Page:
         assert in_browser.modules().run_many.startswith(b"\0asm")
 
 
-class Sidecar:
-    """A sidecar is deleted, so that its job runs again."""
-
-    def __init__(self, folder: Path, *_: Any) -> None:
-        self.path = folder / "data" / "fig06.run.json"
-        self.path.parent.mkdir()
-        self.path.write_text(json.dumps({"run": "merge/fig06", "outputs": {}}), encoding="utf-8")
-
-    def use(self) -> None:
-        deleted = set_aside_damaged(self.path.parents[1], "now")
-        assert deleted == ([] if self.path.exists() else [str(self.path)])
-
-
 MADE_AGAIN: dict[str, Callable[[Path, pytest.MonkeyPatch], Any]] = {
     "kernel": Kernel,
     "outline of a source": Outline,
     "interface of a page": lambda folder, patch: Page(folder, patch, "interface.json"),
     "engine of a page": lambda folder, patch: Page(folder, patch, "run_many.wasm"),
-    "sidecar": Sidecar,
 }
 
 
@@ -114,10 +100,9 @@ def test_what_can_be_made_again_is(tmp_path, monkeypatch, kind, damage):
     whole = made.path.read_bytes()
     made.path.write_bytes(damage(whole))
     made.use()
-    if kind is not Sidecar:
-        assert len(made.path.read_bytes()) == pytest.approx(len(whole), abs=64)
-        made.path.unlink()
-        made.use()
+    assert len(made.path.read_bytes()) == pytest.approx(len(whole), abs=64)
+    made.path.unlink()
+    made.use()
 
 
 @dataclass(frozen=True)
@@ -136,17 +121,14 @@ def small() -> xr.Dataset:
     return xr.Dataset({"tau_align": ("friction", values)}, attrs={"figure": "fig06"})
 
 
-RECORD = {
-    "invocation": "a", "outcome": "done", "started": "2026", "started_stamp": 0.0, "runs": [],
-    "failures": [],
-}  # fmt: skip
+RECORD = {"start": 1, "outcome": "done", "started": "2026", "runs": [], "failures": []}
 REFUSED = {
     "dataset": Refused(
         "fig06.nc", lambda path: write_dataset(small(), path), read_dataset,
         DatasetError, "build it again",
     ),
-    "record of an invocation": Refused(
-        "history/a.json", lambda path: path.write_text(json.dumps(RECORD), encoding="utf-8"),
+    "record of a start": Refused(
+        "history/1.json", lambda path: path.write_text(json.dumps(RECORD), encoding="utf-8"),
         lambda path: load_history(path.parents[1]), TrackingError, "delete it",
     ),
     "claims": Refused(
@@ -172,7 +154,7 @@ def test_what_cannot_is_refused_with_the_remedy(tmp_path, kind, damage):
     kind.write(path)
     path.write_bytes(damage(path.read_bytes()))
     if damage is DAMAGES["cut off"] and kind.name.endswith(".csv"):
-        return  # a shorter table; the hash in the sidecar tells
+        return  # a shorter table; the hash in the record tells
     with pytest.raises(kind.error) as refusal:
         kind.read(path)
     assert str(path) in str(refusal.value)

@@ -202,6 +202,19 @@ def test_devices_have_a_dimension_of_their_own():
         )
 
 
+def test_devices_keep_their_own_attributes_and_assumptions(pressed, tmp_path):
+    """One is pressed first, one has another base; what they share is said once."""
+    apart = [sweep(each, QUICK, frequency=[40, 50]) for each in (pressed, BRASS)]
+    found = sweep([pressed, BRASS], QUICK, frequency=[40, 50])
+    assert found.start.values.tolist() == ["pressed", "simultaneous"]
+    assert found.assumptions.values.tolist() == [each.attrs["assumptions"] for each in apart]
+    assert found.attrs["shape"] == "square"
+    assert not {"start", "assumptions", "device"} & set(found.attrs)
+    found.to_netcdf(tmp_path / "study.nc")
+    with xr.open_dataset(tmp_path / "study.nc", decode_timedelta=False) as stored:
+        xr.testing.assert_identical(stored.load(), found)
+
+
 REFUSED = {
     "a name": ({"frequncy": [1, 2]}, "'frequncy'. Did you mean 'frequency'"),
     "a unit": ({"frequency": "20..150 N"}, "must be in Hz"),
@@ -210,8 +223,9 @@ REFUSED = {
     "no value": ({"frequency": []}, "at least one"),
     "a tolerance": ({"press_force": ["10 N ± 1 N"]}, "no tolerance"),
     "a number without a number": ({"press_force": [None]}, "not filled in"),
-    "a value outside its rule, in metres": ({"misalignment": "0.1..60 mm"}, "= 0.06"),
+    "a value outside its rule, in metres": ({"misalignment": "0.3..60 mm"}, "= 0.06"),
     "a part that is not pressed": ({"press_force": [4, -8]}, "press_force"),
+    "a part that starts inside the hole": ({"misalignment": "0.01..0.5 mm"}, "already inside"),
     "a horizon without a unit": ({"horizon": 3}, "such as '1 s'"),
     "one point": ({"frequency": "20..150 Hz", "points": 1}, "points = 1"),
     "no cores": ({"cores": 0}, "cores = 0"),

@@ -15,12 +15,16 @@ import subprocess
 import sys
 import time
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import psutil
 import pytest
+import xarray as xr
+
+from model.sweeps.files import write_json
+from model.sweeps.io import write_dataset
+from study.tracking.records import file_hash
 
 KILLS = int(os.environ.get("VIBRALIGN_KILLS", "50"))
 VICTIMS = ("job", "snakemake", "group", "interrupt")
@@ -38,7 +42,7 @@ def outcomes(workspace: Any) -> list[str]:
         json.loads(path.read_text(encoding="utf-8"))
         for path in (workspace.folder / "tiny/history").glob("*.json")
     ]
-    ordered = sorted(records, key=lambda record: record["started_stamp"])
+    ordered = sorted(records, key=lambda record: record["start"])
     return [record["outcome"] for record in ordered]
 
 
@@ -135,7 +139,7 @@ def test_a_build_killed_in_three_ways_ends_with_the_bytes_of_another(
         assert disturb(workspace, targets, kind, rng, most=2), "the build ended before"
     is_clean(workspace, built, targets[::-1], cores=1)
     *before, last = outcomes(workspace)
-    assert "running" not in before, "every invocation has an end"
+    assert "running" not in before, "every start has an end"
     assert last == "done"
 
 
@@ -151,7 +155,7 @@ def test_a_killed_build_ends_with_the_bytes_of_a_clean_one(
         hits += disturb(workspace, targets, kind, rng)
     assert hits, "the build ended before it could be killed"
     is_clean(workspace, built, targets, own_python=True)
-    assert "running" not in outcomes(workspace)[:-1], "every invocation has an end"
+    assert "running" not in outcomes(workspace)[:-1], "every start has an end"
     print(f"{kind}: survived {hits} times")  # noqa: T201  (`pytest -rP` shows it)
 
 
@@ -160,13 +164,13 @@ def test_a_killed_build_ends_with_the_bytes_of_a_clean_one(
 
 def test_a_second_snakemake_in_the_same_folder_is_refused(copy_of_built: Any) -> None:
     (copy_of_built.folder / "tiny/data/fig05.nc").unlink()
-    with (copy_of_built.folder / ".snakemake/run.lock").open("w", encoding="utf-8") as lock:
+    with (copy_of_built.folder / "tiny/history/lock").open("w", encoding="utf-8") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         listed = copy_of_built.dry_run(*FEW)
         assert listed.returncode == 0, "a dry run is allowed beside it"
         run = copy_of_built.forked(*FEW)
     assert run.returncode != 0
-    assert "another Snakemake runs the study in this directory" in run.stderr
+    assert "another start builds tiny now: wait until it ends, or stop it" in run.stderr
     assert not (copy_of_built.folder / "tiny/data/fig05.nc").exists()
     assert outcomes(copy_of_built)[-1] == "failed"
 
@@ -175,14 +179,17 @@ def test_a_second_snakemake_in_the_same_folder_is_refused(copy_of_built: Any) ->
 def test_nothing_works_on_the_results_of_a_running_one(copy_of_built: Any, option: str) -> None:
     """Of Snakemake without hooks, Snakemake that deletes, and `make clean`."""
     (copy_of_built.folder / FEW[0]).unlink()
-    with (copy_of_built.folder / ".snakemake/run.lock").open("w", encoding="utf-8") as lock:
+    with (copy_of_built.folder / "tiny/history/lock").open("w", encoding="utf-8") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         if option == "clean":
+            (copy_of_built.folder / "tiny").rename(copy_of_built.folder / "results-tiny")
             run = copy_of_built._run("make", f"PYTHON={sys.executable}", "clean")
         else:
             run = copy_of_built.forked(option, *FEW)
     assert run.returncode != 0
-    assert "Snakemake runs the study" in run.stderr
+    assert "another start builds" in run.stderr
+    if option == "clean":
+        (copy_of_built.folder / "results-tiny").rename(copy_of_built.folder / "tiny")
     assert not (copy_of_built.folder / FEW[0]).exists()
     assert (copy_of_built.folder / FEW[1]).exists()
 
@@ -196,25 +203,11 @@ def test_a_list_changes_nothing(copy_of_built: Any) -> None:
         copy_of_built.forked("fig11", option)
     assert picture.read_text(encoding="utf-8") == edited
     assert sorted(copy_of_built.folder.rglob("tiny/**/*")) == before
-    run = copy_of_built.forked("fig11")
-    assert run.returncode == 0, run.stdout + run.stderr
-    (kept,) = copy_of_built.folder.glob("tiny/history/*/figures/fig11.svg")
-    assert kept.read_text(encoding="utf-8") == edited
-    assert picture.read_text(encoding="utf-8") == edited.removesuffix("<!-- note -->\n")
-
-
-def test_an_input_from_the_future_stops_nothing(copy_of_built: Any, built: Any) -> None:
-    (copy_of_built.folder / FEW[0]).unlink()
-    os.utime(copy_of_built.folder / "tiny/data/kernels.json", (time.time() + 1e5,) * 2)
-    run = copy_of_built.forked(FEW[0])
-    assert run.returncode == 0, run.stdout + run.stderr
-    assert "kernels.json: was dated in the future: set to now" in run.stderr
-    assert copy_of_built.sha256(FEW[0]) == built.sha256(FEW[0])
 
 
 def test_a_snakemake_that_is_just_dying_is_waited_for(copy_of_built: Any) -> None:
     (copy_of_built.folder / "tiny/data/fig05.nc").unlink()
-    lock = (copy_of_built.folder / ".snakemake/run.lock").open("w", encoding="utf-8")
+    lock = (copy_of_built.folder / "tiny/history/lock").open("w", encoding="utf-8")
     fcntl.flock(lock, fcntl.LOCK_EX)
     process = copy_of_built.start(*FEW, forked=True)
     time.sleep(4.0)
@@ -241,7 +234,7 @@ def test_jobs_that_outlive_a_killed_snakemake_are_waited_for(
     script.write_text(text, encoding="utf-8")
     run = workspace.forked(FEW[0])
     assert run.returncode == 0, run.stdout + run.stderr
-    assert "waiting for jobs of an interrupted run to end" in run.stderr
+    assert "waiting for jobs of an interrupted start to end" in run.stderr
     assert (workspace.folder / "ended").exists()
     assert workspace.sha256(FEW[0]) == built.sha256(FEW[0])
 
@@ -286,62 +279,18 @@ def test_a_full_disk_loses_nothing(workspace: Any, built: Any, kilobytes: int) -
     is_clean(workspace, built)
 
 
-# --- Files that are not what they should be -----------------------------------------------------
-
-
-def truncate(path: Path) -> None:
-    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
-
-
-def of_another_figure(path: Path) -> None:
-    shutil.copy(path.parents[2] / "fig11.nc", path)
-
-
-def of_another_study(path: Path) -> None:
-    """The file has a fitting sidecar, so that only its content shows the error."""
-    import xarray as xr  # noqa: PLC0415
-
-    from model.sweeps.files import write_json  # noqa: PLC0415
-    from model.sweeps.io import write_dataset  # noqa: PLC0415
-    from study.tracking.job import file_hash  # noqa: PLC0415
-
-    with xr.open_dataset(path) as stored:
-        foreign = stored.load().assign_attrs(config_hash="0123456789abcdef")
-    write_dataset(foreign, path)
-    sidecar = path.with_suffix(".run.json")
-    record = json.loads(sidecar.read_text(encoding="utf-8"))
-    write_json({**record, "outputs": {path.name: file_hash(path)}}, sidecar)
-
-
-def test_damaged_files_are_made_again(copy_of_built: Any, built: Any) -> None:
-    data = copy_of_built.folder / "tiny/data"
-    truncate(data / "chunks/fig13/1.nc")
-    of_another_figure(data / "chunks/fig13/2.nc")
-    (data / "fig13.nc").unlink()  # else its chunks, good or not, are nothing that is missed
-    truncate(data / "fig05.nc")
-    is_clean(copy_of_built, built)
-
-
-def test_a_forged_dataset_is_not_drawn(copy_of_built: Any, built: Any) -> None:
-    """Also if it is as old as the true one, so that Snakemake sees nothing to do."""
-    data, picture = "tiny/data/fig11.nc", "tiny/figures/fig11.png"
-    path = copy_of_built.folder / data
-    times = path.stat().st_atime_ns, path.stat().st_mtime_ns
-    shutil.copy(copy_of_built.folder / "tiny/data/fig13.nc", path)
-    os.utime(path, ns=times)
-    planned = copy_of_built.dry_run(data, picture)
-    assert "Nothing to be done" in planned.stdout + planned.stderr, "a dry run touches nothing"
-    run = copy_of_built.forked("fig11")
-    assert run.returncode == 0, run.stdout + run.stderr
-    assert f"{data}: not as its job left it: moved to tiny/history/" in run.stderr
-    (kept,) = copy_of_built.folder.glob(f"tiny/history/*/{data.removeprefix('tiny/')}")
-    assert kept.read_bytes() == (copy_of_built.folder / "tiny/data/fig13.nc").read_bytes()
-    assert copy_of_built.sha256(data, picture) == built.sha256(data, picture)
+# --- A file of another study --------------------------------------------------------------------
 
 
 def test_a_foreign_chunk_fails_its_figure_only_and_says_why(copy_of_built: Any, built: Any) -> None:
-    fig11 = "tiny/data/fig11.nc"
-    of_another_study(copy_of_built.folder / "tiny/data/chunks/fig13/1.nc")
+    """Its record fits, so that only its content shows the error."""
+    fig11, path = "tiny/data/fig11.nc", copy_of_built.folder / "tiny/data/chunks/fig13/1.nc"
+    with xr.open_dataset(path) as stored:
+        foreign = stored.load().assign_attrs(config_hash="0123456789abcdef")
+    write_dataset(foreign, path)
+    record = path.with_suffix(".run.json")
+    stated = json.loads(record.read_text(encoding="utf-8"))
+    write_json({**stated, "outputs": {path.name: file_hash(path)}}, record)
     (copy_of_built.folder / fig11).unlink()
     run = copy_of_built.forked("--keep-going", *FEW, fig11)
     assert run.returncode != 0

@@ -1,7 +1,7 @@
 """Jobs that run again after an edit are exactly those that depend on it, by the real Snakemake.
 
-The outputs are empty files that Snakemake takes for made, so that every case is one dry run. Each
-takes seconds: `make test` tries eight edits, `make nightly` all.
+Every case is one dry run, on a copy of the golden build. Each takes seconds: `make test` tries
+eight edits, `make nightly` all.
 """
 
 import contextlib
@@ -51,7 +51,7 @@ MORE_EDITS = [
     ("src/study/config/accuracy.py", *EDIT, {"explorer", *WEIGHED}),
     ("src/model/sweeps/settings.py", *EDIT, COMPUTED),
     ("src/model/sweeps/files.py", "0o666", "0o660", EVERYTHING),
-    ("src/model/sweeps/sweep.py", "_STATIC = 1.0", "_STATIC = 2.0", COMPUTED - COMPARED),
+    ("src/model/sweeps/sweep.py", *EDIT, COMPUTED - COMPARED),
     ("src/vibralign/plots/style.py", '"font.size": 9.0', '"font.size": 9.5', PICTURES),
     ("src/study/schematics/sheet.py", *EDIT, {"schematic", *LAST}),
     ("src/study/report/page.html.j2", "how safely", "how surely", LAST),
@@ -61,19 +61,25 @@ MORE_EDITS = [
 ]  # fmt: skip
 # On which no job depends: a docstring, what records the jobs, commands, what has rules of its own.
 OF_NO_JOB = [
-    ("src/model/physics/forces.py", "-f0, the initial", "Other words, the initial"),
+    ("src/model/physics/forces.py", "the pressing force, downward", "other words"),
     ("src/vibralign/answers/leeways.py", *EDIT),
-    ("src/study/tracking/job.py", *EDIT),
+    ("src/study/tracking/records.py", *EDIT),
     ("src/vibralign/commands/main.py", *EDIT),
     ("verification/accuracy.py", "TIGHT = 1e-13", "TIGHT = 1e-12"),
 ]
 
 
+def test_what_an_edit_replaces_stands_in_its_file() -> None:
+    """Also of the edits that only `make nightly` tries."""
+    edits = [each[:2] for each in (*EDITS, *MORE_EDITS, *OF_NO_JOB)]
+    assert [each for each in edits if each[1] not in (PROJECT / each[0]).read_text("utf-8")] == []
+
+
 @pytest.fixture(scope="module")
-def project(touched: Any, tmp_path_factory: pytest.TempPathFactory) -> Any:
-    """A copy of the made study, and of the package; all tests but the last leave it as it was."""
-    made = copy.copy(touched)
-    made.folder = shutil.copytree(touched.folder, tmp_path_factory.mktemp("edited") / "project")
+def project(built: Any, tmp_path_factory: pytest.TempPathFactory) -> Any:
+    """A copy of the golden build, and of the package; all tests but the last leave it as it was."""
+    made = copy.copy(built)
+    made.folder = shutil.copytree(built.folder, tmp_path_factory.mktemp("edited") / "project")
     for part in ("src", "verification"):  # with their bytecode, if there is any
         shutil.copytree(PROJECT / part, made.folder / part)
     return made

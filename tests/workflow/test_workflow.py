@@ -6,7 +6,8 @@ from typing import Any
 
 import pytest
 
-from study.tracking.history import load_history, sidecars
+from study.tracking.history import load_history
+from study.tracking.records import records
 
 
 def test_a_fault_in_the_configuration_stops_before_anything_is_made(
@@ -41,14 +42,6 @@ def test_a_file_that_may_mean_two_things_is_refused(workspace: Any, text: str) -
     assert "tiny.yaml: cannot be read as YAML: line 1" in run.stdout + run.stderr
 
 
-def test_an_interruption_before_the_first_job_is_recorded_as_one(workspace: Any) -> None:
-    rules = workspace.folder / "workflow/rules/accuracy.smk"
-    rules.write_text("raise KeyboardInterrupt\n", encoding="utf-8")
-    assert workspace.forked().returncode
-    (record,) = load_history(workspace.folder / "tiny")
-    assert record["outcome"] == "interrupted"
-
-
 def test_one_figure_is_a_target(workspace: Any) -> None:
     run = workspace.dry_run("fig11")
     assert run.returncode == 0, run.stderr
@@ -57,24 +50,6 @@ def test_one_figure_is_a_target(workspace: Any) -> None:
         assert rule in planned
     for rule in ("report", "schematic", "fig12"):
         assert rule not in planned
-
-
-def test_an_invocation_that_starts_no_job_is_recorded_too(copy_of_built: Any) -> None:
-    def recorded() -> list[tuple[str, int]]:
-        history = load_history(copy_of_built.folder / "tiny")
-        return [(each["outcome"], len(each["runs"])) for each in history]
-
-    first = recorded()
-    assert [outcome for outcome, _ in first] == ["done"]
-    assert copy_of_built.forked(*copy_of_built.DATA).returncode == 0
-    assert recorded() == [*first, ("done", 0)]
-    assert copy_of_built.forked("no_such_target").returncode == 1
-    assert recorded() == [*first, ("done", 0), ("failed", 0)]
-    stopped = load_history(copy_of_built.folder / "tiny")[-1]
-    assert "No rule to produce no_such_target" in stopped["reason"]
-    copy_of_built.dry_run(*copy_of_built.DATA)
-    copy_of_built.dry_run("no_such_target")
-    assert len(recorded()) == 3
 
 
 def test_an_edit_below_every_job_leaves_none_of_them_out(copy_of_built: Any) -> None:
@@ -134,7 +109,7 @@ def build_whole(made: Any, cores: int, first: str | None) -> list[str]:
     for targets in ([first], []) if first else ([],):
         run = made.snakemake(*targets, *threads, cores=cores)
         assert run.returncode == 0, run.stdout + run.stderr
-    runs = sorted(sidecars(made.folder / "tiny").values(), key=lambda each: each["started"])
+    runs = sorted(records(made.folder / "tiny"), key=lambda each: each["started"])
     return [each["run"] for each in runs]
 
 

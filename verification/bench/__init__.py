@@ -25,5 +25,6 @@ rounds in which all methods take turns. Results: the table on the terminal,
 
 - ``trajectories``: the problems
 - ``table``: settings, times and ratios
+- ``store``: keeps the independent solutions of the study's cases
 - ``truth``: alignment times against heyoka's (``make truth``)
 """

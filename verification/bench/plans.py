@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+from model.physics.parameters import Parameters
 from model.sweeps.axes import Plan
 from model.sweeps.settings import RunSettings
 from study.config.methods import Ladder
@@ -66,3 +67,12 @@ def precision_plan(study: "Study") -> PrecisionPlan:
             independent=name in hard.independent,
         )
     return PrecisionPlan(cases=cases, settings=study.settings)
+
+
+def independent_cases(study: "Study") -> dict[str, tuple[Parameters, float]]:
+    """Return the cases whose truth is the independent solution: parameters and horizon, by name."""
+    return {
+        name: (Parameters(**case.parameters), case.until)  # type: ignore[arg-type]
+        for name, case in precision_plan(study).cases.items()
+        if case.independent
+    }

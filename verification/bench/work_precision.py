@@ -25,7 +25,7 @@ from verification.bench.methods import METHODS
 from verification.bench.methods.base import Method, NotReachedError
 from verification.bench.plans import CasePlan, PrecisionPlan
 from verification.bench.problems import Floats, Problem, Solution, Verdict, last_state, neighbours
-from verification.independent import solve
+from verification.independent.stored import solution_of
 
 _COARSER_TRUTH = 100.0  # tolerance of the second true run over that of the first
 _SHARES = (0.01, 0.1, 0.95)  # of the evaluations allowed; a late fall takes a few more
@@ -113,7 +113,7 @@ def true_run(plan: PrecisionPlan, name: str) -> Truth:
     result, state = last_state(settings, rows, np.array([tolerance]))
     outcome, tau = Outcome(int(result.outcome)), float(result.tau_align)
     if case.independent and settings.readings == Variants() and settings.start != "pressed":
-        solution = solve(problem.cases[0], case.until)
+        solution = solution_of(problem.cases[0], case.until)
         alike = solution.ending == _ENDINGS.get(outcome)
         tau, other, state, other_state = solution.tau, tau, solution.state, state
     else:

@@ -35,11 +35,6 @@ def chunks(wildcards):
     return study.spec_of(wildcards.name).chunks
 
 
-def picture_at(wildcards):
-    """Return the name of the picture at a place, in the comparison of methods."""
-    return {place: name for name, place in PICTURES.items()}[wildcards.place]
-
-
 def numbers_of_part(wildcards):
     """Return the seed of the campaign, the first set of a part, and the number of its sets."""
     campaign = study.accuracy.fuzz

@@ -47,31 +47,27 @@ rule precision:
         "../scripts/precision.py"
 
 
+# One job for all three pictures, because a start of Python costs more than drawing them.
 rule draw_methods:
     input:
-        lambda wildcards: (
-            "<results>/benchmarks/precision.csv"
-            if picture_at(wildcards) == "times"
-            else "<results>/data/precision.csv"
-        ),
+        data="<results>/data/precision.csv",
+        times="<results>/benchmarks/precision.csv",
     output:
-        multiext("<results>/{place}", ".svg", ".pdf"),
-        png=report("<results>/{place}.png", caption="../report/methods.rst", category="Methods"),
-        record="<results>/{place}.run.json",
+        [f"<results>/{place}.{kind}" for place in PICTURES.values() for kind in ("svg", "pdf")],
+        png=report(
+            [f"<results>/{place}.png" for place in PICTURES.values()],
+            caption="../report/methods.rst",
+            category="Methods",
+        ),
+        record="<results>/figures/methods.run.json",
     log:
-        "<results>/logs/draw_methods/{place}.log",
-    wildcard_constraints:
-        place="|".join(PICTURES.values()),
+        "<results>/logs/draw_methods.log",
     localrule: True
     params:
         *code("draw_methods"),
-        picture=picture_at,
-        titles=lambda wildcards: (
-            study.precision.titles
-            if picture_at(wildcards) == "stability"
-            else {name: case.title for name, case in study.precision.cases.items()}
-        ),
+        cases={name: case.title for name, case in study.precision.cases.items()},
+        hard=study.precision.titles,
     message:
-        "methods: drawing {wildcards.place}"
+        "methods: drawing their comparison"
     script:
         "../scripts/draw_methods.py"

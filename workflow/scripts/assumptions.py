@@ -4,7 +4,7 @@ from pathlib import Path
 
 from model.sweeps.io import write_dataset
 from study.evidence.assumptions import AssumptionsPlan, assumptions_dataset
-from study.tracking.job import recorded, snakemake
+from study.tracking.records import recorded, snakemake
 
 with recorded(snakemake):
     plan = AssumptionsPlan.model_validate(snakemake.params.plan)

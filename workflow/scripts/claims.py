@@ -7,7 +7,7 @@ from model.sweeps.io import read_dataset
 from study.claims import Tables, judge
 from study.claims.ledger import ledger_text, lines_of
 from study.evidence.worth import weighed
-from study.tracking.job import recorded, snakemake
+from study.tracking.records import recorded, snakemake
 
 with recorded(snakemake):
     datasets = {Path(file).stem: read_dataset(Path(file)) for file in snakemake.input}

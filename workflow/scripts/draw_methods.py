@@ -1,16 +1,21 @@
-"""Draw a picture of the comparison of methods."""
+"""Draw the pictures of the comparison of methods."""
 
 from pathlib import Path
 
-from study.tracking.job import recorded, snakemake
+from study.tracking.records import recorded, snakemake
+from verification.bench.plans import PICTURES
 from verification.bench.report.stability_plot import stability
 from verification.bench.report.work_precision_plots import evaluations_over_error, time_over_error
 from verification.bench.work_precision import read_settings
 from vibralign.plots.style import save
 
-DRAW = {"evaluations": evaluations_over_error, "times": time_over_error, "stability": stability}
-
 with recorded(snakemake):
-    settings = read_settings(Path(snakemake.input[0]))
-    figure = DRAW[snakemake.params.picture](settings, snakemake.params.titles)
-    save(figure, Path(snakemake.output.png).with_suffix(""))
+    settings, timed = (read_settings(Path(file)) for file in snakemake.input)
+    cases, hard = snakemake.params.cases, snakemake.params.hard
+    drawn = {
+        "evaluations": evaluations_over_error(settings, cases),
+        "times": time_over_error(timed, cases),
+        "stability": stability(settings, hard),
+    }
+    for name, picture in zip(PICTURES, snakemake.output.png, strict=True):
+        save(drawn[name], Path(picture).with_suffix(""))

@@ -6,7 +6,7 @@ from model.runs.in_browser import modules
 from model.sweeps.files import write_text
 from study.config.study import Study
 from study.explorer import study_model
-from study.tracking.job import recorded, snakemake
+from study.tracking.records import recorded, snakemake
 from vibralign.explorer.page import build_page
 
 with recorded(snakemake):

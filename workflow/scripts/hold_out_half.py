@@ -6,7 +6,7 @@ from model.sweeps.files import write_text
 from study.config.identification import HoldOut
 from study.identification.hold_out import hold_out
 from study.identification.space import Space
-from study.tracking.job import recorded, snakemake
+from study.tracking.records import recorded, snakemake
 
 with recorded(snakemake, part=True):
     seen, unseen = (Space.model_validate(snakemake.params[name]) for name in ("seen", "unseen"))

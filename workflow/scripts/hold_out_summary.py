@@ -6,7 +6,7 @@ import pandas as pd
 
 from model.sweeps.files import write_text
 from study.identification.hold_out import summary_of
-from study.tracking.job import recorded, snakemake
+from study.tracking.records import recorded, snakemake
 
 with recorded(snakemake):
     halves = {half: pd.read_csv(file) for half, file in snakemake.input.items()}

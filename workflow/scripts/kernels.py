@@ -7,7 +7,7 @@ from model.physics.parameters import Parameters
 from model.runs.align import align
 from model.runs.simulate import simulate
 from model.sweeps.files import write_json
-from study.tracking.job import recorded, snakemake
+from study.tracking.records import recorded, snakemake
 
 with recorded(snakemake) as metadata:
     device = Parameters(**snakemake.params.parameters)

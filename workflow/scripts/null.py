@@ -4,7 +4,7 @@ from pathlib import Path
 
 from model.sweeps.io import read_dataset, write_dataset
 from study.evidence.null import NullPlan, merged
-from study.tracking.job import recorded, snakemake
+from study.tracking.records import recorded, snakemake
 
 with recorded(snakemake):
     plans = {kind: NullPlan.model_validate(each) for kind, each in snakemake.params.plans.items()}

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from model.sweeps.io import write_dataset
 from study.evidence.null import NullPlan, part_of
-from study.tracking.job import recorded, snakemake
+from study.tracking.records import recorded, snakemake
 
 with recorded(snakemake, part=True):
     plan = NullPlan.model_validate(snakemake.params.plan)

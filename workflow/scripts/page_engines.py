@@ -5,7 +5,7 @@ from pathlib import Path
 
 from model.runs.in_browser import modules
 from model.sweeps.files import write_json
-from study.tracking.job import recorded, snakemake
+from study.tracking.records import recorded, snakemake
 
 with recorded(snakemake):
     made = modules()

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from model.sweeps.io import read_dataset
 from study.plots import DRAWINGS
-from study.tracking.job import recorded, snakemake
+from study.tracking.records import recorded, snakemake
 from vibralign.plots.style import save
 
 with recorded(snakemake):

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from model.sweeps.files import write_text
-from study.tracking.job import recorded, snakemake
+from study.tracking.records import recorded, snakemake
 from verification.bench.plans import PrecisionPlan
 from verification.bench.work_precision import Setting, measured, methods_for, table_of, true_run
 

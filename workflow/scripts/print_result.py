@@ -3,7 +3,7 @@
 import sys
 from pathlib import Path
 
-from study.tracking.job import snakemake
+from study.tracking.records import snakemake
 
 text = Path(snakemake.input[0]).read_text(encoding="utf-8")
 Path(snakemake.log[0]).write_text(text, encoding="utf-8")

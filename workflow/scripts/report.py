@@ -6,7 +6,7 @@ from model.sweeps.files import write_text
 from study.config.study import Study
 from study.report.page import render_report
 from study.report.section import Results
-from study.tracking.job import recorded, snakemake
+from study.tracking.records import recorded, snakemake
 from verification.bench.report import SECTIONS
 
 with recorded(snakemake):

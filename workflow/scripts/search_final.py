@@ -7,7 +7,7 @@ from study.config.identification import Stage
 from study.identification.search import final
 from study.identification.space import Space
 from study.identification.tables import read_found, scored_text
-from study.tracking.job import recorded, snakemake
+from study.tracking.records import recorded, snakemake
 
 with recorded(snakemake, part=True):
     space = Space.model_validate(snakemake.params.space)

@@ -7,7 +7,7 @@ from study.config.identification import Round
 from study.identification.search import evolve
 from study.identification.space import Space
 from study.identification.tables import found_text, read_found
-from study.tracking.job import recorded, snakemake
+from study.tracking.records import recorded, snakemake
 
 with recorded(snakemake, part=True):
     space = Space.model_validate(snakemake.params.space)

@@ -5,7 +5,7 @@ from pathlib import Path
 from model.sweeps.files import write_text
 from study.identification.space import Space
 from study.identification.tables import summary_texts
-from study.tracking.job import recorded, snakemake
+from study.tracking.records import recorded, snakemake
 
 with recorded(snakemake):
     space = Space.model_validate(snakemake.params.space)

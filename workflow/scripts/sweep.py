@@ -4,7 +4,7 @@ from pathlib import Path
 
 from model.sweeps.io import outcome_counts, write_dataset
 from model.sweeps.sweep import Sweep, merge, run
-from study.tracking.job import recorded, snakemake
+from study.tracking.records import recorded, snakemake
 
 with recorded(snakemake) as metadata:
     sweep = Sweep.model_validate(snakemake.params.sweep)

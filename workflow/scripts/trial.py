@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from study.tracking.job import recorded, snakemake
+from study.tracking.records import recorded, snakemake
 from verification.accuracy import run_trial, write_table
 from verification.trials import Trial
 

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from model.sweeps.files import write_text
-from study.tracking.job import recorded, snakemake
+from study.tracking.records import recorded, snakemake
 from verification.accuracy import read_tables, summary, write_table
 
 with recorded(snakemake):

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from model.physics.parameters import Parameters
 from model.sweeps.files import write_json
-from study.tracking.job import recorded, snakemake
+from study.tracking.records import recorded, snakemake
 from verification.bench.methods import compile_unlocated
 
 with recorded(snakemake) as metadata:

@@ -105,6 +105,22 @@ def _keeps_friction(presses, slip, presses_after, slip_after):
 
 
 @inlined_kernel
+def _supports_alike(before, after):
+    return (
+        before.support_slip == after.support_slip
+        and before.slip_at_corner == after.slip_at_corner
+        and before.corner_offset == after.corner_offset
+        and before.edge == after.edge
+        and before.in_slot == after.in_slot
+    )
+
+
+@inlined_kernel
+def _presses_aside_alike(before, after):
+    return before.side_slip == after.side_slip and before.slip_at_wall == after.slip_at_wall
+
+
+@inlined_kernel
 def _has_the_same_forces(before, after):
     """Return whether the same contacts press before and after an event, and slip the same way.
 
@@ -115,13 +131,8 @@ def _has_the_same_forces(before, after):
         and (before.corner == CLOSED) == (after.corner == CLOSED)
         and (before.side == CLOSED) == (after.side == CLOSED)
         and (before.wall == CLOSED) == (after.wall == CLOSED)
-        and before.support_slip == after.support_slip
-        and before.side_slip == after.side_slip
-        and before.slip_at_corner == after.slip_at_corner
-        and before.slip_at_wall == after.slip_at_wall
-        and before.corner_offset == after.corner_offset
-        and (before.edge == after.edge or not is_supported(before))
-        and (before.in_slot == after.in_slot or not is_supported(before))
+        and (not is_supported(before) or _supports_alike(before, after))
+        and (not is_beside(before) or _presses_aside_alike(before, after))
     )
 
 

@@ -217,7 +217,7 @@ def read_dataset(path: Path) -> xr.Dataset:
 def read_chunks(paths: Sequence[Path], figure: str, identity: str) -> list[xr.Dataset]:
     """Read the chunks of a dataset in order.
 
-    Wrong files are deleted with their sidecars, so that they are made anew.
+    Wrong files are deleted with their records, so that they are made anew.
 
     Raises:
         DatasetError: files cannot be read, or hold other chunks; the message names them.

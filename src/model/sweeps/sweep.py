@@ -3,7 +3,7 @@
 Figures, maps, further runs of the claims and the runs of jamming are sweeps. A trajectory is a
 sweep without dimensions. A map may have a second sweep in the same dataset: at every few nodes the
 runs begin from all starts of an ensemble (starts.py). The same sweep and code give the same bytes:
-time stamps and versions go into sidecars.
+time stamps and versions go into records.
 """
 
 import math
@@ -145,7 +145,7 @@ class Sweep(Plan):
 
     @property
     def metadata(self) -> dict[str, Any]:
-        """Metadata of the sidecar: identity, parameters, settings, dimensions, ensemble."""
+        """Entries of the record of a run: identity, parameters, settings, dimensions, ensemble."""
         fields = {"parameters", "settings", "dimensions", "ensemble"}
         return {"config_hash": self.identity, **self.model_dump(mode="json", include=fields)}
 

@@ -1,4 +1,4 @@
-"""``runs``, ``show``, ``diff`` and ``export``: the recorded history of the study."""
+"""``runs``, ``show`` and ``diff``: the recorded history of the study."""
 
 import argparse
 from collections.abc import Sequence
@@ -10,17 +10,16 @@ from model.events.outcomes import Outcome
 from model.physics.parameters import check_name
 from study.commands.options import add_root, figure_name
 from study.tracking import TrackingError
-from study.tracking.compare import Change
-from study.tracking.diff import Comparison, compare
+from study.tracking.compare import Change, Comparison, compare
 from study.tracking.history import (
     RUN_STATUS,
-    Record,
-    find_invocation,
     find_run,
+    find_start,
     has_outcome,
     load_history,
     load_runs,
 )
+from study.tracking.records import Record
 from vibralign.commands.program import add_command, add_json
 from vibralign.commands.tables import cell, pairs, print_json, table
 
@@ -43,16 +42,16 @@ def add(commands: Any) -> None:
         f"only those with this status, or with a trajectory of this outcome: {', '.join(_OUTCOMES)}"
     )
     add("--outcome", metavar="OUTCOME", help=words)
-    words = "list the invocations of Snakemake instead, by outcome if wanted"
-    add("--invocations", action="store_true", help=words)
+    words = "list the starts of the study instead, by outcome if wanted"
+    add("--starts", action="store_true", help=words)
 
-    words = "show all that is recorded of a run or an invocation"
+    words = "show all that is recorded of a run or a start"
     parser = add_command(commands, "show", _show, words)
     add_root(parser)
     add_json(parser)
     words = (
-        "a run such as merge/fig06 (the latest of that name), merge/fig06@INVOCATION, or an "
-        "invocation: the beginning of its name, or last"
+        "a run such as merge/fig06 (the latest of that name), merge/fig06@12 (that of start 12), "
+        "or a start: its number, or last"
     )
     parser.add_argument("what", metavar="RUN", help=words)
 
@@ -69,28 +68,14 @@ def add(commands: Any) -> None:
     parser.add_argument("second", type=Path, metavar="B", help="another, as of another checkout")
     parser.add_argument("--all", action="store_true", help="every difference, however many")
 
-    parser = add_command(
-        commands,
-        "export",
-        _export,
-        "write an invocation of the study as an MLflow run",
-        ". Needs the extra: pip install 'vibralign[export]'.",
-    )
-    parser.add_argument("tool", choices=("mlflow",))
-    words = "an MLflow server, or sqlite:///FILE, which may be new"
-    parser.add_argument("--tracking-uri", required=True, metavar="URI", help=words)
-    words = "the beginning of an invocation's name, or last (default: last)"
-    parser.add_argument("--invocation", default="last", metavar="NAME", help=words)
-    add_root(parser, "results root that it belongs to")
-
 
 def _runs(arguments: argparse.Namespace) -> int:
     outcome, figure = arguments.outcome, arguments.figure and figure_name(arguments.figure)
     if outcome is not None:
         check_name(outcome, _OUTCOMES, "outcome")
-    if arguments.invocations and figure:
-        raise ValueError("--figure: is a condition on runs; leave out --invocations")
-    records = (load_history if arguments.invocations else load_runs)(arguments.root)
+    if arguments.starts and figure:
+        raise ValueError("--figure: is a condition on runs; leave out --starts")
+    records = (load_history if arguments.starts else load_runs)(arguments.root)
     found = [
         each
         for each in records
@@ -100,8 +85,8 @@ def _runs(arguments: argparse.Namespace) -> int:
     if arguments.json:
         print_json(found)
         return 0
-    if arguments.invocations:
-        print("\n".join(table([_invocation_line(each) for each in found], _INVOCATION_COLUMNS)))
+    if arguments.starts:
+        print("\n".join(table([_start_line(each) for each in found], _START_COLUMNS)))
         return 0
     print("\n".join(table([_run_line(run) for run in found], _RUN_COLUMNS)))
     print(f"{len(found)} runs")
@@ -111,8 +96,8 @@ def _runs(arguments: argparse.Namespace) -> int:
 _RUN_COLUMNS = (
     "started", "run", "status", "seconds", "trajectories", "aligned", "sensitive", "commit", "",
 )  # fmt: skip
-_INVOCATION_COLUMNS = (
-    "invocation", "outcome", "started", "seconds", "runs", "failed", "commit", "command", "",
+_START_COLUMNS = (
+    "start", "outcome", "started", "seconds", "runs", "failed", "commit", "command", "",
 )  # fmt: skip
 
 
@@ -137,9 +122,9 @@ def _shortened(reason: str) -> str:
     return reason if len(reason) <= _LONGEST else f"{reason[:_LONGEST]}…"
 
 
-def _invocation_line(record: Record) -> dict[str, Any]:
+def _start_line(record: Record) -> dict[str, Any]:
     return {
-        "invocation": record["invocation"],
+        "start": record["start"],
         "outcome": record["outcome"],
         "started": record["started"][:19],
         "seconds": record["wall_seconds"],
@@ -164,13 +149,12 @@ def _show(arguments: argparse.Namespace) -> int:
         lines = _run_lines(record)
     else:
         try:
-            record = find_invocation(load_history(arguments.root), arguments.what)
+            record = find_start(load_history(arguments.root), arguments.what)
         except TrackingError:
             raise TrackingError(
-                f"{arguments.what!r} is neither a run nor an invocation; "
-                "python -m study runs lists them"
+                f"{arguments.what!r} is neither a run nor a start; python -m study runs lists them"
             ) from None
-        lines = _invocation_lines(record)
+        lines = _start_lines(record)
     if arguments.json:
         print_json(record)
     else:
@@ -178,8 +162,8 @@ def _show(arguments: argparse.Namespace) -> int:
     return 0
 
 
-_HEAD = ("run", "status", "reason", "log", "current", "started", "wall_seconds", "invocation",
-         "code", "config_hash")  # fmt: skip
+_HEAD = ("run", "status", "reason", "log", "current", "started", "wall_seconds", "start",
+         "code", "stated")  # fmt: skip
 
 
 def _run_lines(run: Record) -> list[str]:
@@ -204,8 +188,8 @@ def _run_lines(run: Record) -> list[str]:
     return lines
 
 
-def _invocation_lines(record: Record) -> list[str]:
-    head = ("invocation", "outcome", "reason", "started", "ended", "wall_seconds", "host",
+def _start_lines(record: Record) -> list[str]:
+    head = ("start", "outcome", "reason", "started", "ended", "wall_seconds", "host",
             "snakemake_log")  # fmt: skip
     values = {name: record[name] for name in head if record.get(name) is not None}
     command = " ".join(record["command"])
@@ -240,7 +224,7 @@ def _diff_lines(found: Comparison, listed: int | None) -> list[str]:
     data = ("figure", "variable", "points", "differing", "largest", "at", "A", "B", "gaps")
     lines += _section("data", [_change(each) for each in found.data], data, listed)
     if found.other_data:
-        lines += ["", "tables that differ:"]
+        lines += ["", "files that differ:"]
         lines += [f"  {each}" for each in found.other_data]
     if found.not_compared:
         lines += ["", "not compared:", *(f"  {each}" for each in found.not_compared)]
@@ -272,12 +256,3 @@ def _change(change: Change) -> dict[str, Any]:
         "B": change.after,
         "gaps": gaps,
     }
-
-
-def _export(arguments: argparse.Namespace) -> int:
-    from study.tracking.export import EXPERIMENT, to_mlflow  # noqa: PLC0415  (seldom needed)
-
-    record = find_invocation(load_history(arguments.root), arguments.invocation)
-    run = to_mlflow(record, arguments.root, arguments.tracking_uri)
-    print(f"{arguments.tracking_uri}: run {run} of experiment {EXPERIMENT}")
-    return 0

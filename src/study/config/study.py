@@ -6,7 +6,7 @@ from model.physics.parameters import Parameters, check_name
 from model.sweeps.axes import Strict
 from model.sweeps.settings import RunSettings
 from study.config.accuracy import Accuracy
-from study.config.base import ParameterValues, Text
+from study.config.base import ParameterValues, ResultsFolder
 from study.config.evidence import Evidence
 from study.config.figures import FIGURES, FigureSpec, Maps, Plane
 from study.config.identification import Identification
@@ -17,7 +17,7 @@ from study.config.runs import ClaimRun, Jamming
 class Study(Strict):
     """The whole study; see config/."""
 
-    results_root: Text
+    results_root: ResultsFolder
     """Folder of the results."""
     settings: RunSettings
     """Settings of every run."""

@@ -11,7 +11,8 @@ from model.physics.variants import VARIANT_NAMES
 from model.runs.settings import Settings
 from study.config.figures import COMPUTED
 from study.report.section import Results, Section, Table, link, symbol, value_of, values_of
-from study.tracking.job import file_hash, versions
+from study.tracking.checkout import versions
+from study.tracking.records import file_hash
 from vibralign.plots.words import figure_title, number
 
 # Number and subject of every disputed equation; model.physics.variants explains its variants.

@@ -1,13 +1,11 @@
-"""Comparison of datasets and of verdicts, for `python -m study diff`, `verify` and `accept`.
+"""Comparison of datasets, of verdicts and of two results folders: `diff`, `verify` and `accept`.
 
-Variables are compared by name, over the points that both datasets have. xarray aligns the points;
-its ``testing.assert_allclose`` is not used, because it says neither where data differ nor by how
-much.
+Variables are compared by name, over the points that both datasets have.
 """
 
 import csv
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from study.tracking import TrackingError
+from study.tracking.records import Record, changed_inputs, records
 
 if TYPE_CHECKING:  # the command line works without xarray until data are compared
     import xarray as xr
@@ -35,55 +34,32 @@ class Difference:
 
 @dataclass(frozen=True)
 class Change:
-    """The difference of a variable between two datasets of a figure, over their common points."""
+    """The difference of a variable between two datasets, over their common points."""
 
     figure: str
     variable: str
     points: int  # points compared
     differing: int  # points at which the values differ
     largest: float  # largest absolute difference of two numbers
-    at: dict[str, float]  # coordinates of the largest difference
+    at: dict[str, Any]  # coordinates of the largest difference
     before: float  # the first dataset's value there
     after: float  # the second dataset's value there
     appeared: int  # points with a number in the second dataset only
     vanished: int  # points with a number in the first dataset only
 
 
-def differences(
-    where: str, before: Mapping[str, Any], after: Mapping[str, Any]
-) -> list[Difference]:
-    """Return the entries that differ, by name; None stands for one that is missing."""
-    return [
-        Difference(where, name, before.get(name), after.get(name))
-        for name in sorted(set(before) | set(after))
-        if before.get(name) != after.get(name)
-    ]
-
-
-def changed_verdicts(before: Path, after: Path) -> list[Difference]:
-    """Return the claims whose verdicts differ between two tables; the first column names them."""
-    return differences(CLAIMS, _verdicts(before), _verdicts(after))
-
-
-def _verdicts(path: Path) -> dict[str, str]:
-    try:
-        with path.open(encoding="utf-8", newline="") as stream:
-            rows = csv.DictReader(stream)
-            names = rows.fieldnames or []
-            if "verdict" in names:
-                return {row[names[0]]: row["verdict"] for row in rows}
-    except (UnicodeDecodeError, csv.Error):
-        names = ["no table"]
-    raise TrackingError(
-        f"{path}: has no column 'verdict', but {', '.join(names) or 'nothing'}: build it again"
-    )
+# --- Two datasets -------------------------------------------------------------------------------
 
 
 def changes_of(before: "xr.Dataset", after: "xr.Dataset", figure: str) -> list[Change]:
-    """Return the changes of the variables that differ, over the common points of both datasets."""
+    """Return the changes of the numbers that differ, over the common points of both datasets."""
     before, after = common_points(before, after)
     names = [name for name in map(str, after.data_vars) if name in before]
-    changes = [change_of(before[name], after[name], figure) for name in names]
+    changes = [
+        change_of(before[name], after[name], figure)
+        for name in sorted(names)
+        if after[name].dtype.kind in "bif" and before[name].dims == after[name].dims
+    ]
     return [change for change in changes if change.differing]
 
 
@@ -113,9 +89,8 @@ def common_points(before: "xr.Dataset", after: "xr.Dataset") -> "tuple[xr.Datase
 
 def _near_jump(times: NDArray[np.float64], grid: NDArray[np.float64]) -> NDArray[np.bool_]:
     """Return a mask of the ``times`` within a step of a jump, a time that ``grid`` has twice."""
-    twice: list[int] = np.flatnonzero(np.diff(grid) == 0.0).tolist()
     near = np.zeros(times.shape, dtype=bool)
-    for i in twice:
+    for i in np.flatnonzero(np.diff(grid) == 0.0).tolist():
         low, high = grid[max(i - 1, 0)], grid[min(i + 2, grid.size - 1)]
         near |= (times >= low) & (times <= high)
     return near
@@ -123,28 +98,211 @@ def _near_jump(times: NDArray[np.float64], grid: NDArray[np.float64]) -> NDArray
 
 def change_of(before: "xr.DataArray", after: "xr.DataArray", figure: str) -> Change:
     """Return the change of one variable between two datasets over the same points."""
-    old, new = (np.asarray(each.values, dtype=np.float64) for each in (before, after))
-    distance = np.abs(new - old)
-    known = np.isfinite(distance)
-    at: dict[str, float] = {}
-    largest, values = 0.0, (float("nan"), float("nan"))
-    if known.any():
-        worst = int(np.argmax(np.where(known, distance, -1.0)))
-        place = tuple(map(int, np.unravel_index(worst, distance.shape)))
-        largest, values = float(distance[place]), (float(old[place]), float(new[place]))
-        named = ((_TIME if _TIME in after.coords else name, i)
-                 for name, i in zip(after.dims, place, strict=True))  # fmt: skip
-        at = {str(name): float(after[name].values[i]) for name, i in named}
-    gone, come = np.isnan(new) & ~np.isnan(old), np.isnan(old) & ~np.isnan(new)
+    old, new = (each.variable.astype(float) for each in (before, after))
+    distance = abs(new - old)
+    place: dict[Any, int] = {}
+    if distance.notnull().any():
+        found = distance.fillna(-1.0).argmax(distance.dims)
+        place = {name: int(i) for name, i in found.items()} if distance.dims else {}
+    named = ((_TIME if _TIME in after.coords else name, i) for name, i in place.items())
+    gone, come = new.isnull() & old.notnull(), old.isnull() & new.notnull()
+    nothing = float("nan")
+    some = bool(distance.notnull().any())
     return Change(
         figure=figure,
         variable=str(after.name),
-        points=int(old.size),
-        differing=int((known & (distance > 0.0)).sum() + gone.sum() + come.sum()),
-        largest=largest,
-        at=at,
-        before=values[0],
-        after=values[1],
+        points=old.size,
+        differing=int((distance > 0.0).sum() + gone.sum() + come.sum()),
+        largest=float(distance[place]) if some else 0.0,
+        at={str(name): after[name].values[i].item() for name, i in named},
+        before=float(old[place]) if some else nothing,
+        after=float(new[place]) if some else nothing,
         appeared=int(come.sum()),
         vanished=int(gone.sum()),
     )
+
+
+# --- Two tables of verdicts ---------------------------------------------------------------------
+
+
+def changed_verdicts(before: Path, after: Path) -> list[Difference]:
+    """Return the claims whose verdicts differ between two tables; the first column names them."""
+    return _differences(CLAIMS, _verdicts(before), _verdicts(after))
+
+
+def _verdicts(path: Path) -> dict[str, str]:
+    try:
+        with path.open(encoding="utf-8", newline="") as stream:
+            rows = csv.DictReader(stream)
+            names = rows.fieldnames or []
+            if "verdict" in names:
+                return {row[names[0]]: row["verdict"] for row in rows}
+    except (UnicodeDecodeError, csv.Error):
+        names = ["no table"]
+    raise TrackingError(
+        f"{path}: has no column 'verdict', but {', '.join(names) or 'nothing'}: build it again"
+    )
+
+
+def _differences(
+    where: str, before: Mapping[str, Any], after: Mapping[str, Any]
+) -> list[Difference]:
+    """Return the entries that differ, by name; None stands for one that is missing."""
+    return [
+        Difference(where, name, before.get(name), after.get(name))
+        for name in sorted(set(before) | set(after))
+        if before.get(name) != after.get(name)
+    ]
+
+
+# --- Two results folders ------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """The differences between two folders, and a line for everything that could not be compared.
+
+    ``claims`` is None if the verdicts of a folder are missing or were not made from its data.
+    ``other_data`` names files that differ otherwise than by their numbers.
+    """
+
+    first: str
+    second: str
+    parameters: list[Difference] = field(default_factory=list)
+    metrics: list[Difference] = field(default_factory=list)
+    code: list[Difference] = field(default_factory=list)
+    data: list[Change] = field(default_factory=list)
+    claims: list[Difference] | None = None
+    other_data: list[str] = field(default_factory=list)
+    not_compared: list[str] = field(default_factory=list)
+
+    @property
+    def differs(self) -> bool:
+        """True if the two folders differ in anything."""
+        stated = (self.parameters, self.metrics, self.code)
+        return any((*stated, self.data, self.other_data, self.claims))
+
+
+def compare(first: Path, second: Path) -> Comparison:
+    """Compare two results folders.
+
+    Raises:
+        TrackingError: one is no folder, or holds no results.
+    """
+    found = Comparison(str(first), str(second))
+    runs, other_runs = _runs(first), _runs(second)
+    files, other_files = _files(first, runs), _files(second, other_runs)
+    code: list[Difference] = []
+    for name in _common(runs, other_runs, found) if runs and other_runs else ():
+        before, after = runs[name], other_runs[name]
+        where = after["figure"] or name
+        found.parameters.extend(_differences(where, _stated(before), _stated(after)))
+        found.metrics.extend(_differences(where, before.get("counts", {}), after.get("counts", {})))
+        code.extend(_differences(name, _code(before), _code(after)))
+        found.other_data.extend(
+            f"{name}: {table}"
+            for table, sha256 in after["outputs"].items()
+            if table.endswith(".csv") and table != CLAIMS and not table.startswith("../")  # times
+            and before["outputs"].get(table, sha256) != sha256
+        )  # fmt: skip
+    found.code.extend(_by_file(code))
+    for name in _common(files, other_files, found):
+        if name != CLAIMS:
+            _compare_data(name, files[name], other_files[name], found)
+    if CLAIMS not in files or CLAIMS not in other_files:
+        return found
+    judged = _are_judged(first, runs, found), _are_judged(second, other_runs, found)
+    claims = changed_verdicts(files[CLAIMS], other_files[CLAIMS]) if all(judged) else None
+    return replace(found, claims=claims)
+
+
+def _runs(folder: Path) -> dict[str, Record]:
+    """Return the runs of whole results by name."""
+    if not folder.is_dir():
+        raise TrackingError(f"{folder}: is no results folder")
+    return {each["run"]: each for each in records(folder) if not each.get("part")}
+
+
+def _files(folder: Path, runs: Mapping[str, Record]) -> dict[str, Path]:
+    """Return datasets and verdicts by path: "fig06.nc", "claims/rubbing.nc", "claims.csv"."""
+    data = folder / "data" if (folder / "data").is_dir() else folder
+    paths = [*data.glob("*.nc"), *data.glob("claims/*.nc")]
+    found = {path.relative_to(data).as_posix(): path for path in paths}
+    if (folder / CLAIMS).is_file():
+        found[CLAIMS] = folder / CLAIMS
+    if not found and not runs:
+        raise TrackingError(f"{folder}: holds neither datasets nor records of the study")
+    return found
+
+
+def _common(
+    first: Mapping[str, Any], second: Mapping[str, Any], found: Comparison
+) -> Iterator[str]:
+    """Yield the names that both have, and note those that only one has."""
+    for name in sorted({*first} | {*second}):
+        if name in first and name in second:
+            yield name
+        else:
+            only = found.first if name in first else found.second
+            found.not_compared.append(f"{name}: only in {only}")
+
+
+def _stated(run: Record) -> dict[str, Any]:
+    """Return parameters, settings and axes of a run as one flat dictionary."""
+    settings = {f"settings.{name}": value for name, value in run.get("settings", {}).items()}
+    axes = {
+        f"{axis['parameter']}.{name}": value
+        for axis in run.get("dimensions", [])
+        for name, value in axis.items()
+        if name != "parameter"
+    }
+    return {**run.get("parameters", {}), **settings, **axes}
+
+
+def _code(run: Record) -> dict[str, Any]:
+    """Return hashes of the source files and versions of the packages that a run used."""
+    return {**run["sources"], **run["versions"]}
+
+
+def _by_file(found: list[Difference]) -> Iterator[Difference]:
+    """Yield one difference a file or package; many runs may share it."""
+    runs: dict[Difference, list[str]] = {}
+    for each in found:
+        runs.setdefault(replace(each, where=""), []).append(each.where)
+    for each, where in runs.items():
+        yield replace(each, where=where[0] if len(where) == 1 else f"{len(where)} runs")
+
+
+def _are_judged(folder: Path, runs: Mapping[str, Record], found: Comparison) -> bool:
+    """Return True if no data changed since the claims were judged; note it if some did."""
+    newer = [str(path.relative_to(folder)) for run in runs.values() if CLAIMS in run["outputs"]
+             for path in changed_inputs(run)]  # fmt: skip
+    if newer:
+        names = ", ".join(newer[:3]) + (", …" if len(newer) > 3 else "")
+        found.not_compared.append(
+            f"{CLAIMS}: not judged since {names} changed in {folder}: build claims.csv"
+        )
+    return not newer
+
+
+def _compare_data(name: str, first: Path, second: Path, found: Comparison) -> None:
+    """Compare two datasets of the same name."""
+    if first.read_bytes() == second.read_bytes():
+        return
+    import xarray as xr  # noqa: PLC0415  (a second)
+
+    from model.sweeps.io import read_dataset  # noqa: PLC0415
+
+    before, after = read_dataset(first), read_dataset(second)
+    figure = str(after.attrs["figure"])
+    if set(before.dims) != set(after.dims):
+        found.not_compared.append(f"{figure}: the two vary different parameters")
+    elif 0 in common_points(before, after)[1].sizes.values():
+        found.not_compared.append(f"{figure}: the two have no point in common")
+    elif changes := changes_of(before, after, figure):
+        found.data.extend(changes)
+    else:
+        try:
+            xr.testing.assert_identical(before, after)
+        except AssertionError as difference:
+            found.other_data.append(f"{name}: {' '.join(str(difference).split())}")

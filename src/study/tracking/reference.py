@@ -23,6 +23,7 @@ from model.sweeps.io import read_dataset
 from study.config.figures import COMPUTED, SCHEMATICS
 from study.csv_tables import csv_text
 from study.tracking import TrackingError
+from study.tracking.checkout import git_state
 from study.tracking.compare import (
     CLAIMS,
     Change,
@@ -31,7 +32,6 @@ from study.tracking.compare import (
     changes_of,
     common_points,
 )
-from study.tracking.job import git_state
 
 if TYPE_CHECKING:
     import xarray as xr

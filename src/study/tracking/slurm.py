@@ -64,7 +64,7 @@ def slurm_reasons(root: Path, log: str | None) -> dict[str, str]:
     reasons: dict[str, str] = {}
     if log is None or not Path(log).is_file():
         return reasons
-    reason = None
+    reason, logs = None, root.absolute() / "logs"
     for line in Path(log).read_text(encoding="utf-8", errors="replace").splitlines():
         if line.startswith("Error in rule"):
             reason = None  # the next job may have run without Slurm
@@ -74,8 +74,8 @@ def slurm_reasons(root: Path, log: str | None) -> dict[str, str]:
             if _LOGS.name in file.parts:
                 reason = f"Slurm job {file.stem}: {_last_error(file)}"
         for file in files:
-            if reason and file.is_relative_to(root / "logs"):
-                run = file.relative_to(root / "logs").with_suffix("").as_posix()
+            if reason and file.absolute().is_relative_to(logs):
+                run = file.absolute().relative_to(logs).with_suffix("").as_posix()
                 reasons.setdefault(run, reason)
     return reasons
 

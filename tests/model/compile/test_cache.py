@@ -279,6 +279,18 @@ def test_functions_of_one_place_differ_by_their_constants() -> None:
     assert len({digest_of(each) for each in functions}) == 2
 
 
+def test_functions_of_one_text_differ_by_what_they_hold_and_by_their_defaults() -> None:
+    def scaled(by: float, plus: float) -> Any:
+        def held(x: float, more: float = plus) -> float:
+            return by * x + more
+
+        held.__module__ = "model.physics.forces"
+        return held
+
+    made = [scaled(*each) for each in ((1.0, 0.0), (2.0, 0.0), (1.0, 1.0), (1.0, 0.0))]
+    assert [digest_of(each) == digest_of(made[0]) for each in made] == [True, False, False, True]
+
+
 def test_what_is_neither_data_nor_of_the_package_has_no_identity() -> None:
     class Stateful:
         value = 1.0

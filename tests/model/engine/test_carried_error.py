@@ -14,7 +14,7 @@ from model.events.friction import hold_sticking
 from model.events.kernels import events_of
 from model.events.scenes import ALIGNMENT
 from model.events.table import number_of
-from model.physics.modes import CLOSED, RELEASED, START, STICKING
+from model.physics.modes import CLOSED, OPEN, RELEASED, START, STICKING
 from model.physics.notation import State
 from model.physics.parameters import Batch, Constants
 from model.physics.variants import Variants
@@ -46,8 +46,9 @@ def p(device):
         ("support_slip", ON_FACE, ON_FACE._replace(support_slip=1)),
         ("support_slip", ON_FACE, ON_FACE._replace(support_slip=STICKING)),
         ("face_load", ON_FACE, ON_FACE._replace(face=RELEASED)),
+        ("face_gap", ON_FACE._replace(face=RELEASED), ON_FACE._replace(face=OPEN)),
     ],
-    ids=["reverses", "sticks", "loses its load"],
+    ids=["reverses", "sticks", "loses its load", "opens a gap"],
 )
 def test_an_error_passes_an_event_as_a_displaced_run_does(event, before, after, p):
     which = number_of(event)

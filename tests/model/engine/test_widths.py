@@ -4,10 +4,13 @@ import os
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
 from model.compile.machine_code import floats_in_a_vector
 from model.compile.vector_code import WIDTH, WIDTHS
+from model.runs.engines import batch_engine
+from verification.fuzz import SCENES, draw
 
 PROGRAM = """\
 import hashlib
@@ -33,6 +36,18 @@ def told(program: str, width: str, processor: str = "") -> subprocess.CompletedP
         [sys.executable, "-c", program], env={**os.environ, **variables},
         capture_output=True, text=True, check=False,
     )  # fmt: skip
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_a_row_of_a_batch_equals_the_same_run_alone_with_its_error(scene: str) -> None:
+    settings, laws = SCENES[scene]
+    rows = settings.rows(draw(23, 0, 4 * WIDTH + 1, laws))
+    tolerances = np.geomspace(1e-7, 1e-11, len(rows))
+    run = batch_engine(settings, carries_error=True)
+    together = run(rows, tolerances)
+    for n in range(len(rows)):
+        (alone,) = run(rows[n : n + 1], tolerances[n : n + 1])
+        np.testing.assert_array_equal(alone, together[n])
 
 
 @pytest.mark.nightly

@@ -17,11 +17,11 @@ LINES = [
     (["runs", "--root", "ROOT", "--figure", "6"], ["ROOT", "build the study first"]),
     (["runs", "--root", "ROOT", "--figure", "fig77"], ["unknown figure 'fig77'"]),
     (["runs", "--root", "ROOT", "--figure", "99"], ["unknown figure 'fig99'"]),
-    (["runs", "--root", "ROOT", "--figure", "6", "--invocations"], ["--figure", "runs"]),
+    (["runs", "--root", "ROOT", "--figure", "6", "--starts"], ["--figure", "runs"]),
     (["runs", "--root", "ROOT", "--outcome", ""], ["outcome", "aligned"]),
     (["runs", "--root", "ROOT", "--outcome", "don"], ["Did you mean 'done'?"]),
     (["runs", "--root", "ROOT", "--outcome", "happy"], ["happy", "aligned"]),
-    (["runs", "--root", "ROOT", "--invocations"], ["ROOT", "build the study first"]),
+    (["runs", "--root", "ROOT", "--starts"], ["ROOT", "build the study first"]),
     (["show", "--root", "ROOT", "merge/fig06"], ["ROOT", "build the study first"]),
     (["show", "--root", "ROOT/nowhere", "last"], ["nowhere"]),
     (["diff", "ROOT", "other"], ["other: is no results folder"]),
@@ -32,8 +32,6 @@ LINES = [
     (["accept", "--root", "ROOT"], ["--reason"]),
     (["accept", "--root", "ROOT", "--reason", "so"], ["name what to accept: --figure"]),
     (["accept", "--root", "ROOT", "--reason", "", "--figure", "6"], ["reason", "words"]),
-    (["export", "mlflow", "--root", "ROOT", "--tracking-uri", "sqlite:///ROOT/out.db"], ["ROOT"]),
-    (["export", "zip", "--tracking-uri", "ROOT/out.zip"], ["zip", "mlflow"]),
 ]
 
 

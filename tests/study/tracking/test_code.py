@@ -1,19 +1,14 @@
-"""Hashes of code change with the code that runs; sidecars name the inputs and outputs of jobs."""
+"""Hashes of code change with the code that runs."""
 
-import hashlib
-import json
 import os
 import shutil
 import subprocess
-from datetime import UTC, datetime
 from pathlib import Path
 
-import numpy as np
 import pytest
 
-from study.tracking import code, job
+from study.tracking import checkout, code
 from study.tracking.code import code_of, import_closure
-from study.tracking.job import write_sidecar
 
 PROJECT = Path(__file__).resolve().parents[3]
 
@@ -24,7 +19,6 @@ def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     copy = tmp_path / "src"
     shutil.copytree(PROJECT / "src", copy, ignore=shutil.ignore_patterns("__pycache__"))
     monkeypatch.setattr(code, "_SOURCES", copy)
-    monkeypatch.setattr(job, "_SOURCES", copy)
     (tmp_path / "requirements.lock").touch()
     return copy / "model"
 
@@ -47,7 +41,7 @@ def test_comments_layout_and_docstrings_change_nothing(package):
     before = hashes(package)
     forces = package / "physics" / "forces.py"
     edit(forces, "from model.physics.trig", "# a comment\n\n\nfrom model.physics.trig")
-    edit(forces, "-f0, the initial pressing force, downward.", "Other words.")
+    edit(forces, "the pressing force, downward", "other words")
     assert hashes(package) == before
 
 
@@ -118,23 +112,6 @@ def test_a_new_pin_changes_the_code_of_every_script(tmp_path):
     assert {each.split()[0] for each in changed} == {"requirements.lock"}
 
 
-def test_a_job_leaves_a_sidecar_of_what_it_made_and_from_what(tmp_path, monkeypatch):
-    monkeypatch.setenv("VIBRALIGN_INVOCATION", "20261121T000000Z-abcd")
-    for name in ("fig06.nc", "fig06.png"):
-        (tmp_path / name).write_bytes(name.encode())
-    files = [tmp_path / "fig06.png"], [tmp_path / "fig06.nc"]
-    metadata = {"code": "0123", "more": [1]}
-    write_sidecar(tmp_path / "r.json", "plot/fig06", *files, metadata, datetime.now(UTC))
-    record = json.loads((tmp_path / "r.json").read_text(encoding="utf-8"))
-    assert (record["run"], record["rule"], record["figure"]) == ("plot/fig06", "plot", "fig06")
-    assert record["outputs"] == {"fig06.png": hashlib.sha256(b"fig06.png").hexdigest()}
-    assert record["inputs"] == {"fig06.nc": hashlib.sha256(b"fig06.nc").hexdigest()}
-    assert record["code"] == "0123"
-    assert record["invocation"] == "20261121T000000Z-abcd"
-    assert record["more"] == [1]
-    assert record["versions"]["numpy"] == np.__version__
-
-
 def test_looking_at_the_checkout_takes_no_lock_in_it(package):
     """A killed job would leave git's lock behind, and git would then refuse to work there."""
 
@@ -151,14 +128,14 @@ def test_looking_at_the_checkout_takes_no_lock_in_it(package):
         os.utime(path, (1e9, 1e9))  # the index does not know these times: a status would refresh it
     index = package.parent / ".git" / "index"
     before = index.read_bytes()
-    assert job.git_state()["dirty"] is False
+    assert checkout.git_state(package)["dirty"] is False
     assert index.read_bytes() == before
     (package.parent / "results-smoke").symlink_to(package)  # results on another disk
     os.environ["GIT_DIR"] = str(package / "nowhere")  # as in a hook of another repository
     os.environ["GIT_TEST_ASSUME_DIFFERENT_OWNER"] = "1"  # git takes the checkout for another's
     try:
-        assert job.git_state()["dirty"] is False
+        assert checkout.git_state(package)["dirty"] is False
         (package / "edit.py").touch()
-        assert job.git_state()["dirty"] is True
+        assert checkout.git_state(package)["dirty"] is True
     finally:
         del os.environ["GIT_DIR"], os.environ["GIT_TEST_ASSUME_DIFFERENT_OWNER"]

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from study.tracking import TrackingError
-from study.tracking.history import runs_without_sidecar
+from study.tracking.history import runs_without_record
 from study.tracking.slurm import refuse_held_jobs, slurm_reasons
 
 LIMIT = (
@@ -92,10 +92,10 @@ def test_reasons_come_from_the_log_of_slurm(folder, monkeypatch):
 
 def test_a_reason_is_taken_where_the_log_of_the_run_is_silent(tmp_path):
     (tmp_path / "logs").mkdir()
-    (tmp_path / "logs/kernels.log").write_text("", encoding="utf-8")
-    (tmp_path / "logs/claims.log").write_text("ValueError: no such figure\n", encoding="utf-8")
+    (tmp_path / "logs/kernels.log").write_text("start 1 2026\n", encoding="utf-8")
+    (tmp_path / "logs/claims.log").write_text("start 1 2026\nValueError: no such figure\n", "utf-8")
     reasons = dict.fromkeys(("kernels", "claims", "history/fig05"), "Slurm job 5: time limit")
-    found = {each["run"]: each for each in runs_without_sidecar(tmp_path, 0.0, reasons)}
+    found = {each["run"]: each for each in runs_without_record(tmp_path, 1, reasons, set())}
     assert {run: each["reason"] for run, each in found.items()} == {
         "claims": "ValueError: no such figure",
         "history/fig05": "Slurm job 5: time limit",

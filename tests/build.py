@@ -1,5 +1,9 @@
-"""The workflow with the real Snakemake and the real Makefile, on a study that builds in seconds."""
+"""The golden build: a small study, built once a test run by the real Snakemake.
 
+Tests of commands, pages and restarts work on it, or on a copy that they may change.
+"""
+
+import atexit
 import contextlib
 import copy
 import fcntl
@@ -10,7 +14,7 @@ import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +23,7 @@ import yaml
 
 from study.config import CURVES, MAPS
 
-PROJECT = Path(__file__).resolve().parents[2]
+PROJECT = Path(__file__).resolve().parents[1]
 PARTS = ("Snakefile", "Makefile", "workflow", "config", "profiles", "requirements.lock")
 TINY: dict[str, Any] = {
     "results_root": "tiny",
@@ -111,7 +115,7 @@ PATIENCE = 86_400 if BUILT_TWICE == "full" else 3_600  # seconds: a hanging Snak
 # import: most of their time. A fork with another PYTHONPATH or folder of caches imports the project
 # anew.
 PRELOADED = """
-import gc, json, os, runpy, select, signal, socket, sys
+import atexit, gc, json, os, runpy, select, signal, socket, sys
 import matplotlib.pyplot, netCDF4, pint, scipy.ndimage, scipy.special, smart_open, xarray
 import snakemake.cli, snakemake.report.html_reporter
 import study.claims, study.config, study.plans, vibralign
@@ -144,6 +148,7 @@ while sys.stdin not in select.select([listener, sys.stdin], [], [])[0]:  # close
         asked.close()
         continue
     signal.signal(signal.SIGCHLD, signal.SIG_DFL)
+    atexit._clear()  # what the process that forks would do at its own end
     told, written, *_ = socket.recv_fds(asked, 65536, 2)
     while part := asked.recv(65536):
         told += part
@@ -168,13 +173,17 @@ while sys.stdin not in select.select([listener, sys.stdin], [], [])[0]:  # close
         code = ended.code or 0
     except BaseException:  # as the interpreter does with an uncaught exception
         sys.excepthook(*sys.exc_info())
+    atexit._run_exitfuncs()
     sys.stdout.flush(), sys.stderr.flush()
     asked.sendall(str(code).encode())
     os._exit(0)
 """
-# Stands in for `python`: has PRELOADED run a module or a script, and ends with its exit code.
+# Stands in for `python`: has PRELOADED run a module or a script, and ends with its exit code. A
+# command (-c) runs in a Python of its own, which it was given because of what is read at the start.
 CLIENT = """#!{python} -IS
 import json, os, socket, sys
+if sys.argv[1] == "-c":
+    os.execv({python!r}, [{python!r}, *sys.argv[1:]])
 server = socket.socket(socket.AF_UNIX)
 server.connect({path!r})
 asked = json.dumps([os.getcwd(), dict(os.environ), sys.argv[1:]]).encode()
@@ -194,8 +203,6 @@ def sources_of(checkout: Path) -> str:
 
 class Workspace:
     """A copy of the workflow with the tiny study; the package is the project's own."""
-
-    preloaded: str  # path of CLIENT
 
     # One figure of every kind: what most tests build.
     DATA = (
@@ -229,7 +236,7 @@ class Workspace:
         """Make a stand-in for .venv with CLIENT, or on a cluster this Python, and the package."""
         tools = self.folder / ".venv" / "bin"
         tools.mkdir(parents=True)
-        python = sys.executable if self.profile == "slurm" else self.preloaded
+        python = sys.executable if self.profile == "slurm" else preloaded()
         run = f'PYTHONPATH="{self.sources}" exec "{python}"'
         for name, words in {"python": "", "snakemake": "-m snakemake"}.items():
             tool = tools / name
@@ -243,8 +250,8 @@ class Workspace:
 
     @property
     def environment(self) -> dict[str, str]:
-        """Variables with which jobs import the package from ``checkout``, without an invocation."""
-        kept = {name: value for name, value in os.environ.items() if "VIBRALIGN_INV" not in name}
+        """Variables with which jobs import the package from ``checkout``, without a start."""
+        kept = {name: value for name, value in os.environ.items() if "VIBRALIGN_START" not in name}
         return {**kept, "PYTHONPATH": self.sources, **self.added}
 
     def command(self, *arguments: str, cores: int = 2) -> list[str]:
@@ -273,13 +280,13 @@ class Workspace:
 
     def forked(self, *arguments: str, cores: int = 2) -> subprocess.CompletedProcess[str]:
         """As ``snakemake``, by PRELOADED and in a fraction of the time."""
-        return self._run(self.preloaded, *self.command(*arguments, cores=cores)[1:])
+        return self._run(preloaded(), *self.command(*arguments, cores=cores)[1:])
 
     def start(self, *arguments: str, forked: bool = False) -> subprocess.Popen[bytes]:
         """Start Snakemake in a process group of its own, or by PRELOADED, which outlives it."""
         python, *words = self.command(*arguments)
         return subprocess.Popen(
-            [self.preloaded if forked else python, *words],
+            [preloaded() if forked else python, *words],
             cwd=self.folder,
             env=self.environment,
             stdout=subprocess.DEVNULL,
@@ -341,22 +348,25 @@ class Workspace:
         }
 
 
-@pytest.fixture(scope="session", autouse=True)
-def _preloaded() -> Iterator[None]:
-    with tempfile.TemporaryDirectory() as folder:  # pytest's own are too deep for a socket
-        client = Path(folder, "python")
-        client.write_text(CLIENT.format(python=sys.executable, path=f"{folder}/socket"))
-        client.chmod(0o755)
-        Workspace.preloaded = str(client)
-        with subprocess.Popen(
-            [sys.executable, "-c", PRELOADED],
-            cwd=folder,
-            env={**os.environ, "PYTHONPATH": sources_of(PROJECT)},
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-        ) as server:
-            server.stdout.readline()
-            yield
+@cache
+def preloaded() -> str:
+    """Start PRELOADED, which ends with this process, and return the path of CLIENT."""
+    folder = tempfile.mkdtemp()  # pytest's own are too deep for a socket
+    client = Path(folder, "python")
+    client.write_text(CLIENT.format(python=sys.executable, path=f"{folder}/socket"))
+    client.chmod(0o755)
+    server = subprocess.Popen(
+        [sys.executable, "-c", PRELOADED],
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": sources_of(PROJECT)},
+        stdin=subprocess.PIPE,  # closed with this process
+        stdout=subprocess.PIPE,
+    )
+    assert server.stdout is not None
+    server.stdout.readline()
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    atexit.register(server.communicate)
+    return str(client)
 
 
 @pytest.fixture
@@ -387,21 +397,8 @@ def make_workspace() -> type[Workspace]:
 
 
 @pytest.fixture(scope="session")
-def touched(tmp_path_factory: pytest.TempPathFactory) -> Workspace:
-    """A tiny study whose outputs are empty files that Snakemake takes for complete."""
-    made = Workspace(tmp_path_factory.mktemp("touched"))
-    for _, output in made.planned():
-        path = made.folder / output
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text("{}", encoding="utf-8")  # a sidecar that says nothing of its outputs
-    run = made.forked("--touch", "--forceall", "--no-hooks")
-    assert run.returncode == 0, run.stderr
-    return made
-
-
-@pytest.fixture(scope="session")
 def built(tmp_path_factory: pytest.TempPathFactory) -> Workspace:
-    """A clean build to compare with, one for all processes; tests must not change it."""
+    """The golden build, one for all processes; tests must not change it."""
     shared = tmp_path_factory.getbasetemp()
     if "PYTEST_XDIST_WORKER" in os.environ:
         shared = shared.parent
@@ -409,15 +406,21 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Workspace:
         fcntl.flock(lock, fcntl.LOCK_EX)
         made = Workspace(shared / "built")
         if not (shared / "complete").exists():
-            run = made.forked(*made.DATA, *made.BESIDE, *made.PICTURES)
+            run = made.forked()
             assert run.returncode == 0, run.stdout + run.stderr
             (shared / "complete").touch()
     return made
 
 
+@pytest.fixture(scope="session")
+def results(built: Workspace) -> Path:
+    """The results of the golden build, to be read only."""
+    return built.folder / "tiny"
+
+
 @pytest.fixture
 def copy_of_built(tmp_path: Path, built: Workspace) -> Workspace:
-    """A copy of the clean build that a test may change."""
+    """A copy of the golden build that a test may change."""
     made = Workspace(tmp_path / "project")
     for part in ("tiny", ".snakemake"):
         shutil.copytree(built.folder / part, made.folder / part)
