@@ -18,7 +18,7 @@ RIGHT, WRONG, SPENT = (
 LOCATED = [(1e-3, 1e-4, 500, RIGHT, 50.0), (1e-6, 1e-6, 1000, RIGHT, 80.0),
            (1e-9, 1e-9, 2000, RIGHT, 160.0)]  # fmt: skip
 MADE_UP = {
-    "dop853_located": {
+    "taylor_located": {
         **dict.fromkeys((*CASES, "base_100_0"), LOCATED),
         "overturning": [(1e-6, NAN, 1300, RIGHT, 90.0)],
     },

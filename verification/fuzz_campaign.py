@@ -54,7 +54,7 @@ def summary(report: Report, seed: int, scene: str = "alignment") -> str:
         f"{report.sets} sets of seed {seed}, scene {scene}, horizon {settings.horizon:g}, "
         f"tolerance {settings.tolerance:g}, at most {settings.max_evaluations} evaluations a run; "
         f"{report.sensitive} sensitive; {report.against_neighbour} compared with a neighbour, "
-        f"{report.against_reference} with the reference engine"
+        f"{report.against_tighter} with a tighter tolerance"
     )
     often = sorted(report.endings.items(), key=lambda each: (-each[1], each[0]))
     lines = [head, *(f"{number:9}  {name}" for name, number in often)]

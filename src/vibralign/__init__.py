@@ -47,6 +47,7 @@ if TYPE_CHECKING:
     from vibralign.device.paper import baseline as baseline
     from vibralign.device.runs import align as align
     from vibralign.device.runs import simulate as simulate
+    from vibralign.doubts import DoubtWarning as DoubtWarning
     from vibralign.studies import sweep as sweep
 
 # The names by their modules, which are imported when a name is used: together they take seconds.
@@ -66,6 +67,7 @@ _NAMES = {
     "vibralign.answers.yields": "Yield yield_of",
     "vibralign.device": "StatedDevice load_device",
     "vibralign.device.paper": "baseline",
+    "vibralign.doubts": "DoubtWarning",
     "vibralign.device.runs": "align simulate",
     "vibralign.studies": "sweep",
 }

@@ -91,6 +91,8 @@ def sweep(
     values = {name: read_values(name, v, units[name], int(points)) for name, v in varied.items()}
     for one, _ in devices:
         _check(one, values)
+        for each in corners_of(_lists(values)) if isinstance(one, StatedDevice) and values else ():
+            one.warn(each)
     parts = [_study(one, own, values, cores) for one, own in devices]
     if not isinstance(device, (Parameters, StatedDevice, str)) and isinstance(device, Iterable):
         return described(_side_by_side(parts))

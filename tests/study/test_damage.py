@@ -68,27 +68,31 @@ class Outline:
 
 
 class Page:
-    """The engines of a page: compiled again."""
+    """The engine of a page: compiled again."""
 
     def __init__(self, folder: Path, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
         made = WebAssembly(b"\0asm" + bytes(range(200)), stack=0)
-        declared = in_browser._Declared(None, {"given": np.zeros(1)}, {})
-        engines = dict.fromkeys(["run_one", "run_many"], declared)
-        monkeypatch.setattr(in_browser, "_declared", lambda _: engines)
+        declared = in_browser._Declared(None, {"given": np.zeros(1)})
+        monkeypatch.setattr(in_browser, "_declared", lambda *_: declared)
+        monkeypatch.setattr(
+            in_browser,
+            "_compile_apart",
+            lambda folder, shape, scene: in_browser._compile(folder, shape, scene.name),
+        )
         monkeypatch.setattr(in_browser, "web_assembly_of", lambda _: made)
-        monkeypatch.setattr(in_browser, "_folder", lambda _: folder / "webassembly")
+        monkeypatch.setattr(in_browser, "_folder", lambda *_: folder / "webassembly")
         self.path = folder / "webassembly" / name
         self.use()
 
     def use(self) -> None:
-        assert in_browser.modules().run_many.startswith(b"\0asm")
+        assert in_browser.module_for().binary.startswith(b"\0asm")
 
 
 MADE_AGAIN: dict[str, Callable[[Path, pytest.MonkeyPatch], Any]] = {
     "kernel": Kernel,
     "outline of a source": Outline,
     "interface of a page": lambda folder, patch: Page(folder, patch, "interface.json"),
-    "engine of a page": lambda folder, patch: Page(folder, patch, "run_many.wasm"),
+    "engine of a page": lambda folder, patch: Page(folder, patch, "engine.wasm"),
 }
 
 

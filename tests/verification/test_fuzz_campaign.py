@@ -17,7 +17,7 @@ def test_parts_add_up():
     both = added([GOOD, BAD])
     assert both.sets == 3000
     assert both.endings == {"aligned: none": 1900, "left_scene: overshot": 1100}
-    assert (both.sensitive, both.against_neighbour, both.against_reference) == (4, 55, 44)
+    assert (both.sensitive, both.against_neighbour, both.against_tighter) == (4, 55, 44)
     assert both.findings == BAD.findings
 
 

@@ -22,9 +22,16 @@ CALLS = {
     "an empty batch": (lambda _: align([]), ["empty", "at least one"]),
     "no core": (lambda p: align([p], cores=0), ["cores = 0", ">= 1"]),
     "half a core": (lambda p: align([p], cores=0.5), ["cores = 0.5"]),
-    "an engine that is none": (lambda p: align([p], engine="fast"), ["'fast'", "'batch'"]),
-    "lanes for printed readings": (
-        lambda p: align([p], readings=Variants.printed(), engine="batch"), ["batch", "scalar"],
+    "an engine to choose": (lambda p: align([p], engine="batch"), ["engine", "setting"]),
+    "a word for a truth value": (
+        lambda p: align([p], may_settle="False"), ["may_settle = 'False'", "True or False"],
+    ),
+    "a number for a truth value": (
+        lambda p: align([p], alignment_only=1), ["alignment_only = 1", "True or False"],
+    ),
+    "a truth value for a number": (lambda p: align([p], horizon=True), ["horizon = True"]),
+    "a truth value for a depth": (
+        lambda p: align([p], scene="insertion", insertion_depth=True), ["insertion_depth = True"],
     ),
     "something else than parameters": (lambda _: align([{"friction": 0.1}]), ["Parameters"]),
     "no device": (lambda _: align(0.3), ["Parameters", "load_device", "float"]),

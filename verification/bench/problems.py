@@ -9,13 +9,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from model.engine.record import STATE
 from model.engine.results import RunResult
-from model.engine.scalar.loop import TRACK_COLUMNS
 from model.events.outcomes import Outcome, Reason
 from model.physics.notation import STATE_SIZE
 from model.physics.parameters import Batch, Parameters
 from model.runs.align import align, run_once
-from model.runs.engines import scalar_engine
+from model.runs.engine import engine_for, run_alone
 from model.runs.errors import estimate
 from model.runs.settings import Settings
 
@@ -79,11 +79,11 @@ class Problem:
 
     @cached_property
     def truth(self) -> Floats:
-        """True answers, shape (cases, answers): those of the reference engine at 1e-13."""
+        """True answers, shape (cases, answers): those of the package at 1e-13."""
         settings = replace(self.settings, tolerance=TRUE_TOLERANCE)
         if self.checkpoints:
             return self.answers(simulated(self, settings))
-        runs = align(self.cases, settings, cores=1, engine="scalar")
+        runs = align(self.cases, settings, cores=1)
         return runs.tau_align[:, np.newaxis]
 
     @cached_property
@@ -135,14 +135,15 @@ def failure_of(outcome: Outcome, reason: Reason) -> Verdict | None:
 
 
 def simulated(problem: Problem, settings: Settings) -> Solution:
-    """Return the reference engine's solution; evaluations include those for error estimates."""
+    """Return the package's solution; evaluations include those for error estimates."""
     tau, states, evaluations, failure = [], [], 0, None
     for case in problem.cases:
         rows, ends = settings.rows(Batch.stack([case])), []
         for stop in problem.stops:
             until = replace(settings, horizon=stop)
-            found = estimate(scalar_engine(until), rows, until.tolerance)
-            ends.append(last_state(until, rows, found.tolerance)[1])
+            run, carrying = engine_for(until), engine_for(until, carries_error=True)
+            found = estimate(run, carrying, rows, until.tolerance)
+            ends.append(last_state(until, rows[0], float(found.tolerance[0]))[1])
         columns = {name: column[0] for name, column in found.columns().items()}
         tau.append(float(columns["tau_align"]))
         states.append(ends)
@@ -152,14 +153,13 @@ def simulated(problem: Problem, settings: Settings) -> Solution:
     return Solution(np.array(tau), np.array(states), evaluations, failure)
 
 
-def last_state(settings: Settings, rows: Floats, tolerance: Floats) -> tuple[RunResult, Floats]:
-    """Return the result of one run of the reference engine, and the state at its end, shape (6,).
+def last_state(settings: Settings, row: Floats, tolerance: float) -> tuple[RunResult, Floats]:
+    """Return the result of one run, and the state at its end, shape (6,).
 
     ``simulate`` would return the whole trajectory: half a gigabyte for 100,000 periods.
     """
-    track = np.empty((1, TRACK_COLUMNS))
-    result = RunResult(*scalar_engine(settings, track)(rows, tolerance)[0].tolist())
-    return result, track[0, 1 : 1 + STATE_SIZE].copy()
+    result, memory = run_alone(row, tolerance, settings)
+    return result, memory.runs[0, STATE : STATE + STATE_SIZE].copy()
 
 
 def neighbours(cases: Sequence[Parameters], each: int) -> tuple[Parameters, ...]:

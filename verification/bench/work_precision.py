@@ -109,15 +109,15 @@ def true_run(plan: PrecisionPlan, name: str) -> Truth:
     """
     problem, case = problem_of(plan, name), plan.cases[name]
     settings = replace(problem.settings, max_evaluations=_TRUE_EVALUATIONS)
-    rows, tolerance = settings.rows(Batch.stack(problem.cases)), case.ladder.true_tolerance
-    result, state = last_state(settings, rows, np.array([tolerance]))
+    (row,), tolerance = settings.rows(Batch.stack(problem.cases)), case.ladder.true_tolerance
+    result, state = last_state(settings, row, tolerance)
     outcome, tau = Outcome(int(result.outcome)), float(result.tau_align)
     if case.independent and settings.readings == Variants() and settings.start != "pressed":
         solution = solution_of(problem.cases[0], case.until)
         alike = solution.ending == _ENDINGS.get(outcome)
         tau, other, state, other_state = solution.tau, tau, solution.state, state
     else:
-        coarse, other_state = last_state(settings, rows, np.array([_COARSER_TRUTH * tolerance]))
+        coarse, other_state = last_state(settings, row, _COARSER_TRUTH * tolerance)
         alike, other = coarse.outcome == outcome, float(coarse.tau_align)
     uncertainty = math.inf
     if alike:

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from model.runs.in_browser import modules
+from model.runs.in_browser import module_for
 from model.sweeps.files import write_text
 from study.config.study import Study
 from study.explorer import study_model
@@ -10,7 +10,7 @@ from study.tracking.records import recorded, snakemake
 from vibralign.explorer.page import build_page
 
 with recorded(snakemake):
-    made, study = modules(), Study.model_validate(snakemake.params.study)
+    made, study = module_for(), Study.model_validate(snakemake.params.study)
     maps = [Path(file) for file in snakemake.input.maps]
     page = build_page(study_model(study, made.interface, maps), made)
     write_text(page, Path(snakemake.output.page))

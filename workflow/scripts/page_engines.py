@@ -1,16 +1,11 @@
-"""Compile the engines for the explorer into the cache, and write their sizes and hashes."""
+"""Compile the engine for the explorer into the cache, and write its interface and size."""
 
-import hashlib
 from pathlib import Path
 
-from model.runs.in_browser import modules
+from model.runs.in_browser import module_for
 from model.sweeps.files import write_json
 from study.tracking.records import recorded, snakemake
 
 with recorded(snakemake):
-    made = modules()
-    digests = {
-        name: {"bytes": len(each), "sha256": hashlib.sha256(each).hexdigest()}
-        for name, each in {"run_one": made.run_one, "run_many": made.run_many}.items()
-    }
-    write_json({**made.interface, "modules": digests}, Path(snakemake.output.data))
+    made = module_for()
+    write_json({**made.interface, "bytes": len(made.binary)}, Path(snakemake.output.data))

@@ -41,15 +41,16 @@ def _base() -> Path:
 @cache
 def cache_folder() -> Path:
     """Folder of the machine code; ``VIBRALIGN_CACHE`` or ``XDG_CACHE_HOME`` moves it."""
-    folder = _base() / compiler_fingerprint()
+    name = compiler_fingerprint()
     try:
+        folder = _base() / name
         folder.mkdir(parents=True, exist_ok=True)
-    except OSError:  # a read-only home: use a temporary folder of this user's own
+    except (OSError, RuntimeError):  # a read-only home, or none: a temporary folder of this user's
         own = Path(tempfile.gettempdir()) / f"vibralign-{os.getuid()}"
         own.mkdir(exist_ok=True, mode=0o700)
         if own.lstat().st_uid != os.getuid() or own.lstat().st_mode & 0o022:
             own = Path(tempfile.mkdtemp())  # machine code that others can write is not loaded
-        folder = own / folder.name
+        folder = own / name
         folder.mkdir(exist_ok=True)
     return folder
 

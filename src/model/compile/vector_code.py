@@ -1,5 +1,6 @@
 """Functions of vectors, written in LLVM's language, and how many numbers a vector has."""
 
+import ctypes
 import os
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
@@ -194,15 +195,21 @@ class VectorFunction:
         """Return the function in LLVM's language."""
         return self._write(self.name).code()
 
+    def __call__(self, block: Any, places: Sequence[int]) -> None:
+        """Call its machine code; for kernels that run as Python."""
+        from model.compile.entries import address_of  # noqa: PLC0415 - it builds upon this module
+
+        call_at(address_of(self), block, places)
+
     def linked(self) -> "Iterator[VectorFunction]":
         """Yield itself: it calls no others."""
         yield self
 
 
-def call_at(_address: int, _block: Any, _places: Any) -> None:
+def call_at(address: int, block: Any, places: Sequence[int]) -> None:
     """Call the function of vectors at an address, from a kernel; see ``VectorFunction``.
 
-    Raises:
-        TypeError: it is called as Python.
+    Called as Python, too, it calls machine code.
     """
-    raise TypeError("a function of vectors is machine code, which Python cannot call")
+    function = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * len(places))(int(address))
+    function(*(block.ctypes.data + _ALIGNMENT * place for place in places))

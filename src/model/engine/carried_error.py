@@ -31,12 +31,12 @@ from model.physics.modes import CLOSED, STICKING
 from model.physics.motion import is_beside, is_supported
 from model.physics.notation import STATE_SIZE, State
 
-_DISPLACEMENT = 1e-7  # of the state, for a derivative
-_NO_ERROR = 1e-300  # least size of an error that a derivative is taken along
+DISPLACEMENT = 1e-7  # of the state, for a derivative
+NO_ERROR = 1e-300  # least size of an error that a derivative is taken along
 
 
 @inlined_kernel
-def _size(q):
+def size_of(q):
     """Largest absolute value of a state; infinity if one is not a number."""
     total = abs(q.x) + abs(q.y) + abs(q.tilt) + abs(q.x_rate) + abs(q.y_rate) + abs(q.tilt_rate)
     if not total < inf:
@@ -65,7 +65,7 @@ def errors_at_ends(lanes, w):
     """Write the errors at the ends of the steps of all lanes, without slip where contacts stick."""
     for i in each_lane():
         error = _error_after(w[workspace.STEP_LENGTH * WIDTH + i], w, i)
-        factor = _DISPLACEMENT / max(_size(error), _NO_ERROR)
+        factor = DISPLACEMENT / max(size_of(error), NO_ERROR)
         end, p = state_in_lane(w, workspace.END, i), constants_of_lane(lanes, w, i)
         held = without_slip(moved(end, factor, error), p, mode_of_lane(lanes, w, i))
         error = moved(STILL, 1.0 / factor, moved(held, -1.0, end))
@@ -80,7 +80,7 @@ def carry_error(until, w, lane, runs, i):
     else:
         error = _error_after(until * w[workspace.STEP_LENGTH * WIDTH + lane], w, lane)
     store_state_in(error, runs, ERROR, i)
-    runs[i, AT.largest_error] = max(runs[i, AT.largest_error], _size(error))
+    runs[i, AT.largest_error] = max(runs[i, AT.largest_error], size_of(error))
 
 
 @kernel
@@ -89,8 +89,8 @@ def _derivative(events, which, time, q, p, mode, direction, later):
 
     The level is zero at ``q``: one value beside it is enough.
     """
-    ahead, moment = moved(q, _DISPLACEMENT, direction), later * _DISPLACEMENT
-    return level(events, which, time + moment, ahead, p, mode) / _DISPLACEMENT
+    ahead, moment = moved(q, DISPLACEMENT, direction), later * DISPLACEMENT
+    return level(events, which, time + moment, ahead, p, mode) / DISPLACEMENT
 
 
 @inlined_kernel
@@ -159,7 +159,7 @@ def apply_saltation(events, which, q, before, runs, i):
     """
     time, p, after = runs[i, AT.time], constants_of(events, runs, i), mode_of(runs, i)
     error = state_in(runs, ERROR, i)
-    size = _size(error)
+    size = size_of(error)
     if not 0.0 < size < inf or _has_the_same_forces(before, after):
         return
     if _is_continuous(kind_of(events, which), before, after):
@@ -169,12 +169,12 @@ def apply_saltation(events, which, q, before, runs, i):
     across = size * _derivative(events, which, time, q, p, before, unit, 0.0)
     late = -across / _derivative(events, which, time, q, p, before, rates, 1.0)
     at_event = moved(error, late, rates)
-    factor = _DISPLACEMENT / max(_size(at_event), _NO_ERROR)
+    factor = DISPLACEMENT / max(size_of(at_event), NO_ERROR)
     held = hold_sticking(moved(q, factor, at_event), p, after)
     jump = moved(held, -1.0, hold_sticking(q, p, after))
     error = moved(moved(STILL, 1.0 / factor, jump), -late, rates_after)
     store_state_in(error, runs, ERROR, i)
-    runs[i, AT.largest_error] = max(runs[i, AT.largest_error], _size(error))
+    runs[i, AT.largest_error] = max(runs[i, AT.largest_error], size_of(error))
 
 
 @separate_kernel

@@ -8,25 +8,12 @@ twice, once for each sign of its argument.
 """
 
 from math import inf
-from typing import NamedTuple
-
-import numpy as np
 
 from model.compile.kernels import inlined_kernel, kernel, separate_kernel
 from model.compile.vector_code import WIDTH
-from model.engine.lane_events import (
-    QUANTITIES,
-    TERMS,
-    enter_series,
-    has_absolute,
-    is_partial,
-)
-from model.engine.record import AT, STATE, constants_of, mode_of
-from model.engine.scalar import location
-from model.engine.scalar.location import NO_EVENT, sample_step
-from model.engine.scalar.location import NODES as SAMPLED
+from model.engine.lane_events import QUANTITIES, TERMS, enter_series, has_absolute
 from model.engine.series_layout import FRACTIONS, LINES, NODES, ORDER
-from model.engine.step import TOO_FLAT_TO_TELL, one_stays_above, stays_above
+from model.engine.step import one_stays_above, stays_above
 from model.engine.workspace import (
     CANDIDATES,
     COEFFICIENTS,
@@ -37,35 +24,17 @@ from model.engine.workspace import (
 )
 from model.events.event_functions import ABSENT, ON_AN_EVENT, largest
 from model.events.friction import REST_SLIP
-from model.events.kernels import MOST_SAMPLES, is_conditional, quantities
+from model.events.kernels import guard, is_conditional
 from model.physics.notation import STATE_SIZE, State
 
+NO_EVENT = 2.0  # a fraction of the step beyond its end
 _SUBINTERVAL = FRACTIONS[0]
+_SOON = 2.0**-6  # part of a step after which a level below zero must have fallen further
 _FINEST = 2.0**-24  # smallest part of a step, which is not divided
 _MOST_PARTS = 64  # parts of a subinterval after which sixteenths of the step are not divided
 _LEAVING = 2.0**-4  # part in which a level of one quantity that starts at zero is assumed monotonic
 _ROOT_ITERATIONS = 60
 _CLOSE = 1e-8  # last relative correction of a root; the error left is of the order of its square
-
-
-class SearchMemory(NamedTuple):
-    """Memory of the search in one step.
-
-    ``series`` holds the quantities of one level; the others are as in the ``Workspace`` of the
-    reference engine, with a dense output of the order of the series.
-    """
-
-    series: np.ndarray
-    y: np.ndarray
-    dense: np.ndarray
-    nodes: np.ndarray
-    samples: np.ndarray
-
-
-def new_search_memory() -> SearchMemory:
-    """Return a ``SearchMemory``."""
-    shapes = (STATE_SIZE,), (STATE_SIZE, ORDER), (SAMPLED, STATE_SIZE), (SAMPLED, MOST_SAMPLES)
-    return SearchMemory(np.zeros(QUANTITIES * TERMS), *map(np.zeros, shapes))
 
 
 @inlined_kernel
@@ -217,7 +186,7 @@ def _all_fall_from_zero(before, after, on_event):
 
 
 @inlined_kernel
-def _beginning(partial, count, left, before, after):
+def _beginning(count, left, before, after):
     """Return how a level begins in a part: (it may cross zero downward in it, it begins at zero).
 
     A level that rises from below zero does not cross. Nor does one that begins at zero and does not
@@ -225,7 +194,7 @@ def _beginning(partial, count, left, before, after):
     sixteenth of the step.
     """
     f, g = largest(before)[0], largest(after)[0]
-    on_event = ON_AN_EVENT if left == 0.0 and not partial else REST_SLIP
+    on_event = ON_AN_EVENT if left == 0.0 else REST_SLIP
     at_zero = -on_event <= f <= REST_SLIP and g > -REST_SLIP
     if at_zero and count > 1 and _all_fall_from_zero(before, after, on_event):
         return True, at_zero
@@ -235,7 +204,7 @@ def _beginning(partial, count, left, before, after):
 
 
 @inlined_kernel
-def _crossing_between(partial, count, left, end, series):
+def _crossing_between(count, left, end, series):
     """First down-crossing of the largest of ``series`` between two places, or NO_EVENT.
 
     The interval is divided until in each part the level stays above zero by its curvature bound, or
@@ -249,7 +218,7 @@ def _crossing_between(partial, count, left, end, series):
         if not one_stays_above(before, after, most):
             # Bounds the work on a level that is zero to rounding all the time.
             finest = _FINEST if parts < _MOST_PARTS else _LEAVING
-            may_cross, at_zero = _beginning(partial, count, left, before, after)
+            may_cross, at_zero = _beginning(count, left, before, after)
             is_monotonic = _all_are_monotonic(before, after, most)
             ends_below = largest(after)[0] < 0.0
             if may_cross and (is_monotonic or (ends_below and width <= finest)):
@@ -266,11 +235,11 @@ def _crossing_between(partial, count, left, end, series):
 
 
 @inlined_kernel
-def _crossing_in(partial, count, subintervals, until, series):
+def _crossing_in(count, subintervals, until, series):
     for each in range(NODES - 1):
         left, end = each * _SUBINTERVAL, min((each + 1) * _SUBINTERVAL, until)
         if subintervals & (1 << each) != 0 and left < end:
-            theta = _crossing_between(partial, count, left, end, series)
+            theta = _crossing_between(count, left, end, series)
             if theta != NO_EVENT:
                 return theta
     return NO_EVENT
@@ -280,8 +249,8 @@ def _crossing_in(partial, count, subintervals, until, series):
 def first_crossing(lanes, which, subintervals, until, series):
     """First down-crossing of a level in the ``subintervals`` of a mask, or NO_EVENT."""
     if which < lanes.events.combined:
-        return _crossing_in(is_partial(lanes, which), QUANTITIES, subintervals, until, series)
-    return _crossing_in(False, 1, subintervals, until, series)
+        return _crossing_in(QUANTITIES, subintervals, until, series)
+    return _crossing_in(1, subintervals, until, series)
 
 
 @kernel
@@ -310,66 +279,35 @@ def crossing(lanes, which, until, series, w, lane):
 
 
 @kernel
-def _search_dense_output(events, w, lane, runs, search, i):
-    """(which, θ) of the first event, by the reference engine's location on the dense output."""
-    time, h = runs[i, AT.time], w[STEP_LENGTH * WIDTH + lane]
-    p, mode = constants_of(events, runs, i), mode_of(runs, i)
-    for n in range(STATE_SIZE):
-        search.y[n] = runs[i, STATE + n]
-        power = 1.0
-        for order in range(1, ORDER + 1):
-            coefficient = w[(COEFFICIENTS + order * LINES + n) * WIDTH + lane]
-            search.dense[n, order - 1] = power * coefficient
-            power *= h
-    _, y, dense, nodes, samples = search
-    sample_step(events, time, h, 1.0, y, dense, p, mode, nodes, samples)
-    return location.first_event(events, time, h, y, dense, p, mode, samples)
+def _is_refused(lanes, which, theta, series, w, lane):
+    """Return whether a zero at θ of a level with a guard is not the event.
 
-
-@inlined_kernel
-def _is_flat(lanes, which, until, series, w, lane):
-    """Return whether the level of a corner contact is so low in the step that the part may be flat.
-
-    Samples are taken at the nodes and at ``until``.
+    A level that its guard has refused may rise again from below zero.
     """
-    until = min(until, 1.0)
-    lowest = largest(values_at(QUANTITIES, until, series))[0]
-    lowest = min(lowest, w[(lanes.samples + which) * WIDTH + lane])
-    for node, fraction in enumerate(FRACTIONS):
-        if fraction < until:
-            sample = lanes.samples + (node + 1) * lanes.events.count + which
-            lowest = min(lowest, w[sample * WIDTH + lane])
-    return lowest < TOO_FLAT_TO_TELL
-
-
-@kernel
-def _is_met(lanes, which, theta, w, lane):
-    """Return whether the quantity that lanes lack, the rise of a corner, is negative too."""
     p, mode = constants_of_lane(lanes, w, lane), mode_of_lane(lanes, w, lane)
-    _, _, _, other = quantities(lanes.events, which, 0.0, state_at(theta, w, lane), p, mode)
-    return other < 0.0
+    if not guard(lanes.events, which, state_at(theta, w, lane), p, mode):
+        return True
+    first = largest(values_at(QUANTITIES, 0.0, series))[0]
+    return theta == 0.0 and first < -ON_AN_EVENT and first < (
+        largest(values_at(QUANTITIES, _SOON, series))[0]
+    )  # fmt: skip
 
 
 @separate_kernel
-def first_event(lanes, w, lane, runs, search, i):
-    """Return (which, θ) of the first event in the step; θ = ``NO_EVENT`` if there is none."""
-    first, which_first, is_undecided, series = NO_EVENT, -1, False, search.series
+def first_event(lanes, w, lane, series):
+    """Return (which, θ) of the first event in the step; θ = ``NO_EVENT`` if there is none.
+
+    ``series`` is overwritten, shape (QUANTITIES * TERMS,).
+    """
+    first, which_first = NO_EVENT, -1
     candidates = int(w[CANDIDATES * WIDTH + lane])
     while candidates != 0:
         which = lowest_bit(candidates)
         candidates &= candidates - 1
         theta = crossing(lanes, which, first, series, w, lane)
-        if is_partial(lanes, which) and (
-            theta == NO_EVENT or not _is_met(lanes, which, theta, w, lane)
+        if theta < first and not (
+            is_conditional(lanes.events, which)
+            and _is_refused(lanes, which, theta, series, w, lane)
         ):
-            may_be_flat = theta != NO_EVENT or _is_flat(lanes, which, first, series, w, lane)
-            is_undecided = is_undecided or may_be_flat
-        elif is_conditional(lanes.events, which):
-            is_undecided = is_undecided or theta != NO_EVENT
-        elif theta < first:
-            first, which_first = theta, which
-    if is_undecided:
-        which, theta = _search_dense_output(lanes.events, w, lane, runs, search, i)
-        if theta < first and which < lanes.events.combined:
             first, which_first = theta, which
     return which_first, first

@@ -15,14 +15,17 @@ from model.compile.kernels import inlined_kernel, kernel, separate_kernel
 from model.compile.vector_code import WIDTH, each_lane
 from model.engine.levels import Level, bound_in, coefficient_in, level_in, levels_of
 from model.engine.mode_kinds import (
+    ALIGNMENT_KINDS,
     MODES_OF_A_KIND,
+    USUAL_KINDS,
+    ModeKind,
     kind_in,
     kinds_of,
     lane_modes,
     mode_in_kind,
     numbers_of,
 )
-from model.engine.series import SYMBOLS, EventQuantities
+from model.engine.series import CONSISTENT, EventQuantities, symbols_of
 from model.engine.series_kernels import Series
 from model.engine.series_layout import FRACTIONS, LINES, NODES, ORDER, SINES
 from model.engine.workspace import (
@@ -32,13 +35,13 @@ from model.engine.workspace import (
     STEP_LENGTH,
     VALUES,
     VARIED,
-    VARIED_IN_SLOT,
     constants_of_lane,
     mode_of_lane,
 )
 from model.events.event_functions import NEVER, largest
 from model.events.kernels import Events, Numbered
 from model.events.table import FORCES
+from model.physics.modes import Mode
 from model.physics.motion import never_sticks
 
 QUANTITIES = 4  # of a combined event
@@ -46,9 +49,6 @@ TERMS = ORDER + 1  # of the series of each quantity
 # The largest distance from a line through samples at a step's quarters, over the bound of |g''|.
 CURVATURE = FRACTIONS[0] ** 2 / 8.0
 _BOUNDS = VALUES + NODES * SINES  # first line of the bounds of quantities
-
-# Constants with which every level applies that needs friction.
-_ROUGH = SYMBOLS._replace(friction=1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,13 +67,11 @@ class LaneEvent:
         number: index in the event table.
         cases: cases of its level.
         is_combined: True if it has several quantities.
-        is_partial: True if lanes lack one of them: the reference engine then decides.
     """
 
     number: int
     cases: tuple[Case, ...]
     is_combined: bool
-    is_partial: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,6 +86,7 @@ class LaneEvents:
         kinds: numbers of the kinds of modes; see ``numbers_of``.
         varied: fields of ``Mode`` that lanes hold.
         series: functions that fill and sample the series of each kind of mode.
+        symbols: the constants of a lane, for tracing; see ``symbols_of``.
     """
 
     events: Events
@@ -98,6 +97,7 @@ class LaneEvents:
     kinds: NDArray[np.int64]
     varied: tuple[int, ...]
     series: Series
+    symbols: Any
 
     @property
     def samples(self) -> int:
@@ -130,46 +130,53 @@ class LaneEvents:
         return self.combined + self.singles
 
 
-def _in_lanes(numbered: Numbered, events: Events) -> tuple[LaneEvent, set[tuple[int, int]]]:
+def _in_lanes(
+    numbered: Numbered, events: Events, kinds: tuple[ModeKind, ...], p: Any
+) -> tuple[LaneEvent, set[tuple[int, int]]]:
     """Return an event as lanes have it, and the places of the modes in which it applies."""
-    cases, event, modes = [], numbered.event, lane_modes(events.inserts)
-    rough = events.constants(*_ROUGH)
+    cases, event, modes = [], numbered.event, lane_modes(events.inserts, kinds)
+    rough = p._replace(friction=1.0)  # with which every level applies that needs friction
     for applies, function in event.function:
         if any(applies(rough, mode) for mode, _ in modes):
-            levels = levels_of(event.source, function, events.inserts, events.constants)
+            levels = levels_of(event.source, function, events.inserts, p)
             if levels is None:
-                raise ValueError(f"{event.name}: lanes hold its modes, but not its quantities")
+                raise ValueError(f"{event.name}: lanes do not hold its quantities")
             cases.append(Case(applies, levels))
     places: dict[bool, set[tuple[int, int]]] = {True: set(), False: set()}
     for mode, place in modes:
         places[any(case.applies(rough, mode) for case in cases)].add(place)
     if places[True] & places[False]:
         raise ValueError(f"{event.name}: applies in some modes of a kind and number, not in others")
-    is_partial = any(not level.is_known for case in cases for level in case.levels)
-    found = LaneEvent(numbered.number, tuple(cases), numbered.is_combined, is_partial)
-    return found, places[True]
+    return LaneEvent(numbered.number, tuple(cases), numbered.is_combined), places[True]
 
 
 def _sampled(events: Events) -> int:
     """Return the number of event quantities up to the last that a scene needs."""
-    needed = "tips_depth" if events.constants.is_round else "side_friction"
+    needed = "tips_depth" if events.constants.is_round else "corner_load"
     if events.inserts and not events.constants.is_round:
         needed = "wall_load"
     return EventQuantities._fields.index(needed) + 1
 
 
 @cache
-def lane_events_of(events: Events) -> LaneEvents:
-    """Return the events of a table as the kernels of lanes take them.
+def lane_events_of(
+    events: Events, switches: tuple[float, ...] = CONSISTENT, is_resident: bool = False
+) -> LaneEvents:
+    """Return the events of a table as the kernels of lanes take them, in a variant (``Variants``).
+
+    Those of a page are ``is_resident``, see ``Series``: it holds the usual kinds of modes only.
 
     Raises:
         ValueError: an event applies in a mode that lanes hold, but they lack its quantities, or not
             in all modes of its kind and number.
     """
     kinds = kinds_of(events.inserts)
+    if is_resident:
+        kinds = USUAL_KINDS if events.inserts else ALIGNMENT_KINDS
+    symbols = symbols_of(events.constants, switches)
     masks, found = np.zeros((len(kinds), MODES_OF_A_KIND), np.int64), []
     for numbered in events.all:
-        each, places = _in_lanes(numbered, events)
+        each, places = _in_lanes(numbered, events, kinds, symbols)
         for place in places:
             masks[place] |= 1 << each.number
         found += [each] if each.cases else []
@@ -180,8 +187,11 @@ def lane_events_of(events: Events) -> LaneEvents:
         masks=masks,
         of_friction=sum(1 << each.number for each in events.all if each.event.source == FORCES),
         kinds=numbers_of(kinds),
-        varied=VARIED_IN_SLOT if events.inserts else VARIED,
-        series=Series(kinds, events.inserts, events.constants, _sampled(events)),
+        varied=tuple(range(len(Mode._fields))) if events.inserts else VARIED,
+        series=Series(
+            kinds, events.inserts, events.constants, switches, _sampled(events), is_resident
+        ),
+        symbols=symbols,
     )
 
 
@@ -190,7 +200,7 @@ def lane_events_of(events: Events) -> LaneEvents:
 
 @inlined_kernel
 def kind_of(lanes, mode):
-    """Return the number of the kind of a mode, -1 if lanes cannot hold it."""
+    """Return the number of the kind of a mode, -1 if lanes do not hold it: in a page."""
     return kind_in(lanes.kinds, mode)
 
 
@@ -287,12 +297,6 @@ def sample_levels(lanes, applicable, w):
                 _bound_combined(lanes, event, w)
             else:
                 _bound_single(lanes, event, w)
-
-
-@inlined_kernel
-def is_partial(lanes, which):
-    """Return whether lanes lack a quantity of the event ``which``."""
-    return any(event.is_partial and which == event.number for event in lanes.combined)
 
 
 @inlined_kernel

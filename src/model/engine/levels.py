@@ -11,12 +11,13 @@ from typing import Any
 
 from model.compile.kernels import inlined_kernel
 from model.compile.vector_code import WIDTH
-from model.engine.series import SYMBOLS, Constant, Sum, TaylorSeries, as_sum, given, sum_of
+from model.engine.series import Constant, Sum, TaylorSeries, as_sum, given, sum_of, symbols_of
+from model.engine.series_layout import LINES, ORDER
 from model.engine.workspace import LINE, MODE_LINE
 from model.events.event_functions import ABSENT
 from model.events.insertion import LEFT_WALL, RIGHT_SIDE, RIGHT_WALL
 from model.events.sources import ContactState, CornerPositions
-from model.events.table import FACE, FORCES, PLACES, SIDE, Source
+from model.events.table import CORNER, FACE, FORCES, PLACES, SIDE, Source
 from model.physics.modes import CLOSED, Mode
 from model.physics.motion import Motion
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
@@ -25,11 +26,12 @@ from model.physics.parameters import Constants
 
 @dataclass(frozen=True, eq=False)
 class Term:
-    """Multiple of a line of the workspace, or of the absolute value ``inside``."""
+    """Multiple of a line of the workspace, of its rate, or of the absolute value ``inside``."""
 
     factor: Constant
     line: int
     inside: "Level | None" = None
+    is_rate: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,19 +39,22 @@ class Level:
     """Quantity of an event: a constant and terms.
 
     Attributes:
-        constant: ABSENT for a quantity that the event lacks, or that no line holds.
-        terms: multiples of lines and of absolute values.
-        is_known: False for a quantity that no line holds, or that is not linear in the lines.
+        constant: ABSENT for a quantity that the event lacks.
+        terms: multiples of lines, of their rates, and of absolute values.
     """
 
     constant: Constant
     terms: tuple[Term, ...] = ()
-    is_known: bool = True
 
     @property
     def has_absolute(self) -> bool:
         """True if it contains an absolute value."""
         return any(each.inside is not None for each in self.terms)
+
+    @property
+    def has_rate(self) -> bool:
+        """True if it contains a rate: it has a series, but no samples."""
+        return any(each.is_rate for each in self.terms)
 
 
 # ------------------------------------------------------------------------------------------ kernels
@@ -84,7 +89,9 @@ def _plus(total, term, value, w, i):
 
 @inlined_kernel
 def level_in(level, first, w, i):
-    """Return a level of lane ``i``, from the lines after the ``first``."""
+    """Return a level of lane ``i``, from the lines after the ``first``; ABSENT with a rate."""
+    if level.has_rate:
+        return ABSENT
     total = None if level.constant == 0.0 else constant_in(level.constant, w, i)
     for term in level.terms:
         if term.inside is None:
@@ -103,7 +110,10 @@ def coefficient_in(level, order, first, scale, sign, w, i):
     """
     total = constant_in(level.constant, w, i) if order == 0 else 0.0
     for term in level.terms:
-        if term.inside is None:
+        if term.is_rate:
+            following = w[(first + LINES + term.line) * WIDTH + i] if order < ORDER else 0.0
+            value = (order + 1) * scale * following
+        elif term.inside is None:
             value = scale * w[(first + term.line) * WIDTH + i]
         else:
             value = sign * coefficient_in(term.inside, order, first, scale, sign, w, i)
@@ -114,6 +124,8 @@ def coefficient_in(level, order, first, scale, sign, w, i):
 @inlined_kernel
 def bound_in(level, first, scale, w, i):
     """Return a bound of a level's distance from the line through samples, from those of lines."""
+    if level.has_rate:
+        return 0.0
     total = 0.0
     for term in level.terms:
         if term.inside is None:
@@ -134,6 +146,10 @@ def _line(name: str) -> Any:
     return sum_of(TaylorSeries("line", (LINE[name],)))
 
 
+def _rate(name: str) -> Any:
+    return sum_of(TaylorSeries("rate", (LINE[name],)))
+
+
 def _is(field: str, value: float) -> Any:
     """Return 1 where a field of the mode has a value, else 0."""
     place = getattr(_MODE_SYMBOLS, field).constant
@@ -144,31 +160,37 @@ def _is(field: str, value: float) -> Any:
 def _quantities(inserts: bool, is_round: bool) -> dict[Source, Any]:
     """Return the quantities of every source that the workspace holds, as sums of its lines.
 
-    The sources are the corner positions, the contacts of the edges and, if the scene ``inserts``,
-    of the corners with the walls. Without insertion the support is A1.
+    The sources are the corner positions, the contacts of edges and corners and, if the scene
+    ``inserts``, those with the walls.
     """
-    places = {name: _line(name) for name in CornerPositions._fields if not name.endswith("_rise")}
-    unknown = dict.fromkeys(CornerPositions._fields, _UNKNOWN)
+    places = {
+        name: _rate(name.replace("rise", "y")) if name.endswith("_rise") else _line(name)
+        for name in CornerPositions._fields
+    }
     forces: dict[str, Any] = dict.fromkeys(Motion._fields, _UNKNOWN)
     sides = ("support", "face", "corner"), ("side", "side", "wall")
     for place, edge, corner in sides:
         friction = _line(f"{place}_friction")  # or the slip of a sliding contact
         forces |= {f"{place}_slip": friction, f"{place}_friction": friction}
         forces[f"{place}_load"] = _line(f"{edge}_load")
-        if inserts:
+        if inserts or corner == "corner":
             loads = (_is(each, CLOSED) * _line(f"{each}_load") for each in (edge, corner))
             forces[f"{place}_load"] = sum(loads, as_sum(0.0))
-    along_face, along_axis = places["right_along_face"], places["right_along_axis"]
-    if inserts:
-        right, left = _is("edge", RIGHT_EDGE), _is("edge", LEFT_EDGE)
-        along_face = right * along_face + left * places["left_along_face"]
-        along_axis = right * along_axis + left * places["left_along_axis"]
-    p, behind = SYMBOLS, SYMBOLS.half_height + along_axis
+    right, left = _is("edge", RIGHT_EDGE), _is("edge", LEFT_EDGE)
+    along_face, along_axis, corner_x, corner_y = (
+        right * places[f"right_{name}"] + left * places[f"left_{name}"]
+        for name in ("along_face", "along_axis", "corner_x", "corner_y")
+    )
+    p = symbols_of(Constants)
+    behind = p.half_height + along_axis
     if is_round:
-        behind = (_MODE_SYMBOLS.edge if inserts else RIGHT_EDGE) * places["tips_depth"]
+        behind = _MODE_SYMBOLS.edge * places["tips_depth"]
     sources = {
-        PLACES: CornerPositions(**(unknown | places)),
+        PLACES: CornerPositions(**places),
         FACE: ContactState(behind, _line("face_load"), along_face),
+        CORNER: ContactState(
+            -corner_y - _MODE_SYMBOLS.corner_offset, _line("corner_load"), corner_x
+        ),
         SIDE: ContactState(
             places["left_behind_side"], _line("side_load"), places["left_along_axis"]
         ),
@@ -193,30 +215,34 @@ def _quantities(inserts: bool, is_round: bool) -> dict[Source, Any]:
 def _level_of(total: Sum | float) -> Level:
     """Return a sum as a ``Level``."""
     found = as_sum(total)
-    terms = [_term_of(series, factor) for series, factor in found.terms.items()]
-    if None in terms:
-        return Level(ABSENT, is_known=False)
-    return Level(found.constant, tuple(terms))  # type: ignore[arg-type]
+    return Level(found.constant, tuple(_term_of(*each) for each in found.terms.items()))
 
 
-def _term_of(series: TaylorSeries, factor: Constant) -> Term | None:
-    """Return a term of a level; None unless it is a line, or the absolute value of such a sum."""
-    if series.rule == "line":
-        return Term(factor, series.operands[0])
+def _term_of(series: TaylorSeries, factor: Constant) -> Term:
+    """Return a term of a level.
+
+    Raises:
+        ValueError: it is no line, no rate of one, and no absolute value of a sum of lines.
+    """
+    if series.rule in ("line", "rate"):
+        return Term(factor, series.operands[0], is_rate=series.rule == "rate")
     if series.rule == "absolute":
         (argument,) = series.operands
         inside = _level_of(Sum(argument.operands[0], dict(argument.operands[1])))
-        return Term(factor, 0, inside) if inside.is_known and not inside.has_absolute else None
-    return None
+        if not (inside.has_absolute or inside.has_rate):
+            return Term(factor, 0, inside)
+    raise ValueError(f"a level contains the {series.rule} of event quantities, but must be linear")
 
 
 def levels_of(
-    source: Source, function: Callable[..., Any], inserts: bool, constants: type[Constants]
+    source: Source, function: Callable[..., Any], inserts: bool, p: Constants
 ) -> tuple[Level, ...] | None:
-    """Return the quantities of an event; None if the workspace does not hold its source."""
-    quantities = _quantities(inserts, constants.is_round)
+    """Return the quantities of an event; None if the workspace does not hold its source.
+
+    ``p`` are the ``symbols_of`` the part.
+    """
+    quantities = _quantities(inserts, p.is_round)
     if source not in quantities:
         return None
-    mode = _MODE_SYMBOLS if inserts else _MODE_SYMBOLS._replace(edge=RIGHT_EDGE)
-    found = function(quantities[source], constants(*SYMBOLS), mode)
+    found = function(quantities[source], p, _MODE_SYMBOLS)
     return tuple(map(_level_of, found if isinstance(found, tuple) else (found,)))

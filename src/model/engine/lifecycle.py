@@ -1,6 +1,6 @@
 """The lifecycle of a run between its steps: start, events, excitation periods and end.
 
-Both engines use it. Time counts from the start; of a part that is lowered (physics/approach.py),
+Time counts from the start; of a part that is lowered (physics/approach.py),
 from its first touch and, if it is lowered without vibration, anew from the onset of the vibration.
 """
 
@@ -298,6 +298,13 @@ def notes_forces(scene, mode, control, runs, i):
     """Return whether the largest forces grow: until alignment, or until inserted."""
     counts = scene.events.inserts or is_counted(mode, constants_of(scene.events, runs, i))
     return counts and control.alignment_only == 0.0
+
+
+@inlined_kernel
+def carries_error(scene, control, runs, i):
+    """Return whether run ``i`` carries its error: without insertion, only until it aligns."""
+    needed = scene.events.inserts or isnan(runs[i, AT.tau_align])
+    return control.carries_error != 0.0 and needed
 
 
 @kernel

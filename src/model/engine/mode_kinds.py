@@ -1,8 +1,8 @@
-"""The modes that lanes hold, and their kinds: modes of a kind have the same series.
+"""The modes of a run, and their kinds: modes of a kind have the same series.
 
-The batch engine begins here. Input: the fields of ``Mode``. Output: the kinds of modes, for which
-series.py derives series; all modes that lanes hold, for which lane_events.py selects events; and
-kernels that number the mode of a run. For lanes to hold a further contact, add its modes here.
+The engine begins here. Input: the fields of ``Mode``. Output: the kinds of modes, for which
+series.py derives series; all modes, for which lane_events.py selects events; and kernels that
+number the mode of a run. For lanes to hold a further contact, add its modes here.
 """
 
 from collections.abc import Iterable, Sequence
@@ -58,28 +58,34 @@ class ModeKind(NamedTuple):
 _EDGE, _CORNER, _BOTH = (FREE, SLIDES, STICKS), (3, 4), (5, 6, 7, 8)
 
 
-def _kinds(place: int, supports: Iterable[int], sides: Iterable[int]) -> tuple[ModeKind, ...]:
-    return tuple(ModeKind(place, *pair) for pair in product(supports, sides))
+def _kinds(places: Iterable[int], *sides: Iterable[int]) -> tuple[ModeKind, ...]:
+    return tuple(ModeKind(*each) for each in product(places, *sides))
 
 
-ALIGNMENT_KINDS = _kinds(ON_RIGHT_EDGE, _EDGE, _EDGE)
-INSERTION_KINDS = (
-    *ALIGNMENT_KINDS,
-    *_kinds(ON_RIGHT_EDGE, (FREE,), _CORNER + _BOTH),
-    *_kinds(ON_LEFT_EDGE, _EDGE, (FREE,)),
-    *_kinds(BETWEEN_WALLS, _EDGE + _CORNER + _BOTH, _EDGE),
-    *_kinds(BETWEEN_WALLS, _EDGE, _CORNER),
-    *_kinds(BETWEEN_WALLS, (FREE,), _BOTH),
+_CORNERS = _CORNER + _BOTH
+_ALL = _EDGE + _CORNERS
+ALIGNMENT_KINDS = (
+    *_kinds((ON_RIGHT_EDGE,), _EDGE, _EDGE),
+    *_kinds((ON_LEFT_EDGE,), _EDGE, (FREE,)),
+    *_kinds((ON_RIGHT_EDGE, ON_LEFT_EDGE), _CORNERS, (FREE,)),
 )
-"""Kinds of modes that lanes hold, in the order of their numbers."""
+USUAL_KINDS = (
+    *ALIGNMENT_KINDS,
+    *_kinds((BETWEEN_WALLS,), _ALL, _EDGE),
+    *_kinds((BETWEEN_WALLS,), _EDGE, _CORNER),
+    *_kinds((ON_RIGHT_EDGE, BETWEEN_WALLS), (FREE,), _CORNERS),
+)
+"""Kinds that a page holds; others occur in some of 10,000 random sets."""
 
 
 def kinds_of(inserts: bool) -> tuple[ModeKind, ...]:
-    """Return the kinds of modes that lanes hold, in a scene that ``inserts`` or not."""
-    return INSERTION_KINDS if inserts else ALIGNMENT_KINDS
+    """Return all kinds of modes, the usual ones first, in a scene that ``inserts`` or not."""
+    usual = USUAL_KINDS if inserts else ALIGNMENT_KINDS
+    places = range(3 if inserts else 2)
+    return tuple(dict.fromkeys((*usual, *_kinds(places, _ALL, _ALL if inserts else _EDGE))))
 
 
-def mode_of_kind(kind: ModeKind, slips: Sequence[Any]) -> Mode:
+def mode_of_kind(kind: ModeKind, slips: Sequence[Any], corner_offset: Any) -> Mode:
     """Return a mode of this kind, with the ``slips`` of support and side where those slide."""
     support, side = SIDE_CONTACTS[kind.support], SIDE_CONTACTS[kind.side]
     support_slip, side_slip = (
@@ -90,6 +96,7 @@ def mode_of_kind(kind: ModeKind, slips: Sequence[Any]) -> Mode:
         edge=LEFT_EDGE if kind.place == ON_LEFT_EDGE else RIGHT_EDGE,
         in_slot=kind.place == BETWEEN_WALLS,
         face=CLOSED if support.edge else OPEN, corner=CLOSED if support.corner else OPEN,
+        corner_offset=corner_offset,
         slip_at_corner=support.slip_at_corner, support_slip=support_slip,
         side=CLOSED if side.edge else OPEN, wall=CLOSED if side.corner else OPEN,
         slip_at_wall=side.slip_at_corner, side_slip=side_slip,
@@ -116,13 +123,11 @@ def _side_contacts(edge, corner, slip_at_corner, slip):
 
 @inlined_kernel
 def kind_in(numbers, mode):
-    """Return the number of the kind of a mode, -1 if lanes cannot hold it; see ``numbers_of``."""
-    if mode.corner != OPEN and not mode.in_slot:
-        return -1
+    """Return the number of the kind of a mode, -1 if it is not held; see ``numbers_of``."""
     place = ON_RIGHT_EDGE
     if mode.in_slot:
         place = BETWEEN_WALLS
-    elif mode.edge == LEFT_EDGE and mode.face != OPEN:
+    elif mode.edge == LEFT_EDGE and (mode.face != OPEN or mode.corner != OPEN):
         place = ON_LEFT_EDGE
     support = _side_contacts(mode.face, mode.corner, mode.slip_at_corner, mode.support_slip)
     side = _side_contacts(mode.side, mode.wall, mode.slip_at_wall, mode.side_slip)
@@ -141,20 +146,21 @@ def mode_in_kind(mode):
 
 
 @cache
-def lane_modes(inserts: bool) -> list[tuple[Mode, tuple[int, int]]]:
-    """Enumerate every mode that lanes hold, with slips of one sign: no event depends on it.
+def lane_modes(inserts: bool, kinds: tuple[ModeKind, ...]) -> list[tuple[Mode, tuple[int, int]]]:
+    """Enumerate every mode of these ``kinds``, with slips of one sign: no event depends on it.
 
     With each its place: the number of its kind, and its number in the kind.
     """
     within = _STATES if inserts else (OPEN,)
-    edges = (RIGHT_EDGE, LEFT_EDGE) if inserts else (RIGHT_EDGE,)
     modes = [
         START._replace(
             edge=edge, face=face, corner=corner, side=side, wall=wall, support_slip=slip,
             side_slip=side_slip, slip_at_corner=at_corner, slip_at_wall=at_wall,
             dropped=dropped, in_slot=in_slot, corners_inside=inside,
         )
-        for edge, face, corner, side, wall in product(edges, _STATES, within, _STATES, within)
+        for edge, face, corner, side, wall in product(
+            (RIGHT_EDGE, LEFT_EDGE), _STATES, _STATES, _STATES, within
+        )
         for at_corner in {corner == CLOSED, CLOSED == corner != face}
         for at_wall in {wall == CLOSED, CLOSED == wall != side}
         for slip in _SLIPS[: 2 if CLOSED in (face, corner) else 1]
@@ -162,6 +168,6 @@ def lane_modes(inserts: bool) -> list[tuple[Mode, tuple[int, int]]]:
         for dropped, in_slot, inside in (_FALLS if inserts else _FALLS[:2])
         if edge == RIGHT_EDGE or not in_slot  # A1 and B1 are the right side of the slot
     ]  # fmt: skip
-    numbers = numbers_of(kinds_of(inserts))
+    numbers = numbers_of(kinds)
     places = ((int(kind_in(numbers, mode)), mode_in_kind(mode)) for mode in modes)
     return [each for each in zip(modes, places, strict=True) if each[1][0] >= 0]

@@ -1,14 +1,13 @@
-"""The batch engine: many runs at once; runs in the same kind of mode share SIMD vectors.
+"""Many runs at once; runs in the same kind of mode share SIMD vectors.
 
-The batch engine ends here. Input: parameter sets, of which threads take the next from a queue.
-Output: their results. Runs wait in queues, one for each kind of mode; the runs of the fullest
-queue make a step together (step.py). A step without an event is accepted. Otherwise the run
-advances to the first event, located on its series to their full order (event_search.py), without
-another step. Transitions and ends of periods are shared with the reference engine (lifecycle.py),
-which also steps runs in modes that lanes do not hold.
+The engine ends here. Input: parameter sets, of which threads take the next from a queue. Output:
+their results. Runs wait in queues, one for each kind of mode; the runs of the fullest queue make a
+step together (step.py). A step without an event is accepted. Otherwise the run advances to the
+first event, located on its series to their full order (event_search.py), without another step.
+lifecycle.py has transitions and ends of periods.
 """
 
-from math import isnan, nan
+from math import isnan
 from typing import NamedTuple
 
 import numpy as np
@@ -17,12 +16,13 @@ from model.compile.kernels import inlined_kernel, kernel
 from model.compile.vector_code import WIDTH
 from model.engine import workspace
 from model.engine.carried_error import apply_saltation, carry_error, error_of_time
-from model.engine.event_search import SearchMemory, first_event, new_search_memory, state_at
-from model.engine.lane_events import LaneEvents, applicable_in, kind_of
+from model.engine.event_search import NO_EVENT, first_event, state_at
+from model.engine.lane_events import QUANTITIES, TERMS, LaneEvents, applicable_in, kind_of
 from model.engine.lifecycle import (
     History,
     apply_event,
     begin,
+    carries_error,
     end_period,
     end_step,
     fail,
@@ -32,7 +32,7 @@ from model.engine.lifecycle import (
 )
 from model.engine.peaks import largest_force, largest_tilt
 from model.engine.queue import fair_share, is_stopped, next_in
-from model.engine.rates import are_finite, is_too_short, rates_at
+from model.engine.rates import is_too_short
 from model.engine.record import (
     AT,
     CLOSEST,
@@ -44,17 +44,15 @@ from model.engine.record import (
     constants_of,
     is_watched,
     mode_of,
-    state_in,
     store_result,
     store_state,
 )
-from model.engine.scalar.location import NO_EVENT
-from model.engine.scalar.loop import TRACK_COLUMNS, Workspace, advance, new_workspace
-from model.engine.scalar.step import MOST_GROWTH
-from model.engine.series import LANE_CONSTANTS, SIDE_SIGN, SUPPORT_SIGN
+from model.engine.series import CORNER_OFFSET, LANE_CONSTANTS, SIDE_SIGN, SUPPORT_SIGN
 from model.engine.series_kernels import missing_series
 from model.engine.series_layout import NODES, ORDER
+from model.engine.short_steps import step_without_series
 from model.engine.step import step_all
+from model.engine.track import COLUMNS, track_run, track_step
 from model.engine.workspace import (
     COEFFICIENTS,
     constants_of_lane,
@@ -70,8 +68,9 @@ from model.events.transitions import CONTINUES
 from model.physics.modes import CLOSED, Mode
 from model.physics.notation import STATE_SIZE
 
-POOL = 128  # largest number of runs that a thread has at once
+MOST_RUNS = 128  # largest number of runs that a thread has at once
 _FIRST_LONGEST = 1.0  # bound of a run's first step
+_MOST_GROWTH = 5.0  # of a step, from the one before
 
 
 # Numbers of a run copied to its lane besides constants, mode and state: (line of the workspace,
@@ -79,6 +78,7 @@ _FIRST_LONGEST = 1.0  # bound of a run's first step
 _GATHERED = (
     (SUPPORT_SIGN, MODE + Mode._fields.index("support_slip")),
     (SIDE_SIGN, MODE + Mode._fields.index("side_slip")),
+    (CORNER_OFFSET, MODE + Mode._fields.index("corner_offset")),
     (workspace.TIME, AT.time),
     (workspace.HALT, AT.halt),
     (workspace.TOLERANCE, AT.tolerance),
@@ -89,8 +89,8 @@ _GATHERED = (
 @kernel
 def _gather(lanes, runs, i, w, lane):
     """Copy run ``i`` into a lane."""
-    for line, column in enumerate(LANE_CONSTANTS):
-        w[line * WIDTH + lane] = runs[i, column]
+    for n in range(LANE_CONSTANTS):
+        w[n * WIDTH + lane] = runs[i, n]
     for line, column in _GATHERED:
         w[line * WIDTH + lane] = runs[i, column]
     copy_mode(lanes, runs, i, MODE, w, lane)
@@ -103,7 +103,8 @@ def _gather(lanes, runs, i, w, lane):
 def _note_closest(lanes, until, w, lane, runs, i):
     """Lower closest approaches by the samples of a step before ``until``.
 
-    A level that starts at zero is left out, as by ``note_closest`` of the reference engine.
+    A level that starts at zero is left out: a mode starts at zeros of its own levels, and to leave
+    one is not to approach an event.
     """
     last, applicable = int(until * (NODES - 1)), int(w[workspace.APPLICABLE * WIDTH + lane])
     while applicable != 0:
@@ -140,14 +141,7 @@ def _record_periods(scene, lanes, until, history, control, w, lane, runs, i):
 
 
 @inlined_kernel
-def _carries_error(scene, control, runs, i):
-    """Return whether run ``i`` carries its error: without insertion, only until it aligns."""
-    needed = scene.events.inserts or isnan(runs[i, AT.tau_align])
-    return control.carries_error != 0.0 and needed
-
-
-@inlined_kernel
-def _advance(scene, lanes, until, history, control, w, lane, runs, i):
+def _advance(scene, lanes, until, history, control, track, w, lane, runs, i):
     """Advance by a step, or its fraction ``until`` an event; return whether the run continues."""
     length, start = w[workspace.STEP_LENGTH * WIDTH + lane], runs[i, AT.time]
     if is_watched(runs, i):
@@ -157,6 +151,11 @@ def _advance(scene, lanes, until, history, control, w, lane, runs, i):
     if not continues:
         until = (runs[i, AT.time] - start) / length
     mode, tilt = mode_of_lane(lanes, w, lane), 0.0
+    halts = until == 1.0 and length == runs[i, AT.halt] - start
+    if continues:
+        runs[i, AT.time] = runs[i, AT.halt] if halts else start + until * length
+    if track.shape[0] > 0:
+        track_step(scene.events, track, start, until, w, lane, runs, i)
     if control.alignment_only == 0.0:
         tilt = largest_tilt(runs[i, AT.tilt_max], until, w, lane)
     note_step(scene, until * length, tilt, runs, i)
@@ -167,33 +166,32 @@ def _advance(scene, lanes, until, history, control, w, lane, runs, i):
                 runs[i, FORCES + place] = largest_force(line, known, until, w, lane)
     if not continues:
         return False
-    if _carries_error(scene, control, runs, i):
+    if carries_error(scene, control, runs, i):
         carry_error(until, w, lane, runs, i)
-    halts = until == 1.0 and length == runs[i, AT.halt] - start
-    runs[i, AT.time] = runs[i, AT.halt] if halts else start + until * length
-    runs[i, AT.next_step] = MOST_GROWTH * length
+    runs[i, AT.next_step] = _MOST_GROWTH * length
     return True
 
 
 @inlined_kernel
-def _accept_step(scene, lanes, history, control, w, lane, runs, i):
+def _accept_step(scene, lanes, history, control, track, w, lane, runs, i):
     """Complete a step without an event."""
-    if _advance(scene, lanes, 1.0, history, control, w, lane, runs, i):
+    if _advance(scene, lanes, 1.0, history, control, track, w, lane, runs, i):
         for n in range(STATE_SIZE):
             runs[i, STATE + n] = w[(workspace.END + n) * WIDTH + lane]
         end_step(scene, False, history, control, runs, i)
 
 
 @inlined_kernel
-def _advance_to_event(which, theta, scene, lanes, history, control, w, lane, runs, i):
+def _advance_to_event(which, theta, scene, lanes, history, control, track, w, lane, runs, i):
     """Advance to an event in the step, and continue in the mode that follows."""
-    if _advance(scene, lanes, theta, history, control, w, lane, runs, i):
+    if _advance(scene, lanes, theta, history, control, track, w, lane, runs, i):
         q, before = state_at(theta, w, lane), mode_of(runs, i)
-        carries = _carries_error(scene, control, runs, i)
+        carries = carries_error(scene, control, runs, i)
         had_aligned = not isnan(runs[i, AT.tau_align])
         store_state(q, runs, i)
         step = w[workspace.STEP_LENGTH * WIDTH + lane]
         apply_event(which, theta * step, step, scene, control, runs, i)
+        track_run(scene.events, track, runs[i, AT.last_event], runs, i)
         if carries:
             aligns = not (had_aligned or isnan(runs[i, AT.tau_align]))
             if aligns or runs[i, AT.outcome] != CONTINUES:
@@ -201,98 +199,103 @@ def _advance_to_event(which, theta, scene, lanes, history, control, w, lane, run
                 runs[i, AT.time_error if aligns else AT.end_error] = error
             apply_saltation(scene.events, which, q, before, runs, i)
         if runs[i, AT.events_at_once] == 0.0:
-            runs[i, AT.next_step] *= MOST_GROWTH
+            runs[i, AT.next_step] *= _MOST_GROWTH
         end_step(scene, False, history, control, runs, i)
 
 
 @inlined_kernel
-def _continue(scene, lanes, control, memory, lane, i):
-    """Continue run ``i`` after the step of its lane."""
-    w, runs, history = memory.w, memory.runs, memory.history
+def pass_step(scene, lanes, control, memory, lane, i):
+    """Pass the step of a lane, or its part up to the first event, with run ``i``."""
+    w, runs, history, track = memory.w, memory.runs, memory.history, memory.track
     runs[i, AT.rhs_evaluations] += ORDER
     length = w[workspace.STEP_LENGTH * WIDTH + lane]
-    if scene.events.inserts and isnan(length):  # shares of loads that begin at zero: 0 / 0
-        runs[i, AT.largest_error] = nan  # the reference engine does not carry it
-        advance(scene, control, memory.track, history, memory.work, runs, i)
-    elif isnan(length) or is_too_short(length, runs[i, AT.time]):
-        q = state_in(runs, STATE, i)
-        rates = rates_at(runs[i, AT.time], q, constants_of(lanes.events, runs, i), mode_of(runs, i))
-        fail(scene, runs, i, REASON.STEP_TOO_SMALL if are_finite(rates) else REASON.NOT_FINITE)
+    if isnan(length):
+        step_without_series(scene, control, history, runs, i)
+        track_run(scene.events, track, 0.0, runs, i)
+    elif is_too_short(length, runs[i, AT.time]):
+        fail(scene, runs, i, REASON.STEP_TOO_SMALL)
     else:
         which, theta = -1, NO_EVENT
         if w[workspace.CANDIDATES * WIDTH + lane] != 0.0:
-            which, theta = first_event(lanes, w, lane, runs, memory.search, i)
+            which, theta = first_event(lanes, w, lane, memory.search)
         if theta == NO_EVENT:
-            _accept_step(scene, lanes, history, control, w, lane, runs, i)
+            _accept_step(scene, lanes, history, control, track, w, lane, runs, i)
         else:
-            _advance_to_event(which, theta, scene, lanes, history, control, w, lane, runs, i)
+            _advance_to_event(which, theta, scene, lanes, history, control, track, w, lane, runs, i)
 
 
 class Waiting(NamedTuple):
     """Queues of the runs that wait for a step, one for each kind of mode, first in, first out.
 
     Attributes:
-        runs: ring buffers, shape (kinds, POOL).
+        runs: ring buffers, shape (kinds, runs).
         firsts: index of the first run of each queue, shape (kinds,).
         counts: lengths of the queues, shape (kinds,).
+        used: one more than the last kind of which a run has waited, shape (1,).
     """
 
     runs: np.ndarray
     firsts: np.ndarray
     counts: np.ndarray
+    used: np.ndarray
 
 
-class BatchMemory(NamedTuple):
-    """Memory of the batch engine for POOL runs; ``runs`` has shape (POOL, SIZE)."""
+class Memory(NamedTuple):
+    """Memory of a thread; ``runs``, the runs that it has at once, has shape (runs, SIZE)."""
 
     w: np.ndarray
     runs: np.ndarray
     history: History
-    work: Workspace
-    search: SearchMemory
+    search: np.ndarray  # see ``first_event``
     waiting: Waiting
     together: np.ndarray  # shape (WIDTH,), the runs of the step
-    track: np.ndarray  # shape (0, columns): runs of a batch have none
+    track: np.ndarray  # of the only run, shape (rows, COLUMNS); of none, shape (0, COLUMNS)
     addresses: np.ndarray  # see ``Series``
 
 
-def new_batch_memory(lanes: LaneEvents, may_settle: bool = True) -> BatchMemory:
-    """Return a ``BatchMemory`` without runs; histories only if runs ``may_settle``."""
-    work, w = new_workspace(), workspace.new_workspace(lanes.lines)
-    kinds = len(lanes.series.fill)
-    waiting = Waiting(*(np.zeros(shape, np.int64) for shape in ((kinds, POOL), kinds, kinds)))
-    together = np.zeros(WIDTH, np.int64)
-    history = new_history(POOL if may_settle else 1)
-    return BatchMemory(
-        w,
-        np.zeros((POOL, SIZE)),
-        history,
-        work,
-        new_search_memory(),
-        waiting,
-        together,
-        np.zeros((0, TRACK_COLUMNS)),
+def new_memory(
+    lanes: LaneEvents, may_settle: bool = True, runs: int = MOST_RUNS, rows: int = 0
+) -> Memory:
+    """Return the memory of a thread for so many ``runs``, or ``MOST_RUNS``, without any.
+
+    It has histories only if runs ``may_settle``, and a track of ``rows`` for a single run.
+    """
+    kinds, runs = len(lanes.series.fill), min(runs, MOST_RUNS)
+    shapes = (kinds, runs), (kinds,), (kinds,), (1,)
+    return Memory(
+        workspace.new_workspace(lanes.lines),
+        np.zeros((runs, SIZE)),
+        new_history(runs if may_settle else 1),
+        np.zeros(QUANTITIES * TERMS),
+        Waiting(*(np.zeros(shape, np.int64) for shape in shapes)),
+        np.zeros(WIDTH, np.int64),
+        np.zeros((rows, len(COLUMNS))),
         lanes.series.addresses,
     )
 
 
 @inlined_kernel
-def _enqueue(scene, lanes, control, memory, results, i):
+def _place_in(waiting, kind, number):
+    """Return the index of a place in a ring buffer, ``number`` after its first run."""
+    place, size = waiting.firsts[kind] + number, waiting.runs.shape[1]
+    return place - size if place >= size else place
+
+
+@inlined_kernel
+def _enqueue(scene, lanes, memory, results, i):
     """Put run ``i`` into the queue of its kind of mode, or write its result if it has ended.
 
-    The reference engine advances it until lanes can hold its mode. Returns True if the run waits.
+    It fails in a mode that a page does not hold. Returns True if the run waits.
     """
     runs, waiting = memory.runs, memory.waiting
     kind = kind_of(lanes, mode_of(runs, i))
-    while runs[i, AT.outcome] == CONTINUES and kind < 0:
-        if _carries_error(scene, control, runs, i):
-            runs[i, AT.largest_error] = nan  # the reference engine does not carry it
-        advance(scene, control, memory.track, memory.history, memory.work, runs, i)
-        kind = kind_of(lanes, mode_of(runs, i))
+    if kind < 0 and runs[i, AT.outcome] == CONTINUES:
+        fail(scene, runs, i, REASON.UNDECLARED_CONTACT)
     if runs[i, AT.outcome] != CONTINUES:
         store_result(scene.events, runs, i, results, int(runs[i, AT.number_in_batch]))
         return False
-    waiting.runs[kind, (waiting.firsts[kind] + waiting.counts[kind]) % POOL] = i
+    waiting.used[0] = max(waiting.used[0], kind + 1)
+    waiting.runs[kind, _place_in(waiting, kind, waiting.counts[kind])] = i
     waiting.counts[kind] += 1
     return True
 
@@ -306,15 +309,17 @@ def _begin_next(sets, tolerances, queue, scene, lanes, control, memory, results,
         if number >= sets.shape[0]:
             return
         begin(sets[number], tolerances[number], scene, control, memory.runs, i)
+        track_run(scene.events, memory.track, 0.0, memory.runs, i)
         memory.runs[i, AT.number_in_batch], memory.runs[i, AT.next_step] = number, _FIRST_LONGEST
-        waits = _enqueue(scene, lanes, control, memory, results, i)
+        waits = _enqueue(scene, lanes, memory, results, i)
 
 
 @inlined_kernel
-def _fullest(counts):
+def _fullest(waiting):
     """Return the kind of mode with the longest queue."""
+    counts = waiting.counts
     fullest, most = 0, counts[0]
-    for kind in range(1, counts.size):
+    for kind in range(1, waiting.used[0]):
         count = counts[kind]
         fullest, most = (kind, count) if count > most else (fullest, most)
     return fullest
@@ -325,14 +330,14 @@ def _dequeue(kind, waiting, together):
     """Move up to WIDTH runs from a queue to ``together``; return their number."""
     count = min(WIDTH, waiting.counts[kind])
     for lane in range(count):
-        together[lane] = waiting.runs[kind, (waiting.firsts[kind] + lane) % POOL]
-    waiting.firsts[kind] = (waiting.firsts[kind] + count) % POOL
+        together[lane] = waiting.runs[kind, _place_in(waiting, kind, lane)]
+    waiting.firsts[kind] = _place_in(waiting, kind, count)
     waiting.counts[kind] -= count
     return count
 
 
 @kernel
-def _step_together(lanes, kind, count, control, memory):
+def step_together(lanes, kind, count, control, memory):
     """Make a step of ``count`` runs in the same kind of mode."""
     w, runs = memory.w, memory.runs
     applicable = 0
@@ -349,8 +354,8 @@ def _step_together(lanes, kind, count, control, memory):
 @kernel
 def begin_all(sets, tolerances, scene, lanes, control, queue, results, memory):
     """Start the first parameter sets of a queue; see ``integrate_all``."""
-    memory.waiting.counts[:] = 0
-    for i in range(min(POOL, fair_share(queue))):
+    memory.waiting.counts[:], memory.waiting.used[0] = 0, 0
+    for i in range(min(memory.runs.shape[0], fair_share(queue))):
         _begin_next(sets, tolerances, queue, scene, lanes, control, memory, results, i)
 
 
@@ -358,25 +363,25 @@ def begin_all(sets, tolerances, scene, lanes, control, queue, results, memory):
 def integrate_all(sets, tolerances, scene, lanes, control, queue, results, memory):
     """Run the parameter sets of a queue to their ends, many at a time, after ``begin_all``.
 
-    Shapes: sets (n, constants), the fields of ``Constants``, consistent variants only; tolerances
-    (n,); results (n, len(RunResult._fields)), filled for the sets taken. ``queue`` is made by
-    ``new_queue``: threads that share it share the sets. ``memory`` is overwritten.
+    Shapes: sets (n, constants), the fields of ``Constants``, of the variant of ``lanes``;
+    tolerances (n,); results (n, len(RunResult._fields)), filled for the sets taken. ``queue`` is
+    made by ``new_queue``: threads that share it share the sets. ``memory`` is overwritten.
 
     Returns -1 at the end, or the number of a function that ``Series`` has to load before the runs
     continue, in a further call.
     """
-    counts, carries_error = memory.waiting.counts, control.carries_error != 0.0
-    kind = _fullest(counts)
+    counts, with_errors = memory.waiting.counts, control.carries_error != 0.0
+    kind = _fullest(memory.waiting)
     while counts[kind] > 0 and not is_stopped(queue):
-        missing = missing_series(lanes, kind, carries_error, memory.addresses)
+        missing = missing_series(lanes, kind, with_errors, memory.addresses)
         if missing >= 0:
             return missing
         count = _dequeue(kind, memory.waiting, memory.together)
-        _step_together(lanes, kind, count, control, memory)
+        step_together(lanes, kind, count, control, memory)
         for lane in range(count):
             i = memory.together[lane]
-            _continue(scene, lanes, control, memory, lane, i)
-            if not _enqueue(scene, lanes, control, memory, results, i):
+            pass_step(scene, lanes, control, memory, lane, i)
+            if not _enqueue(scene, lanes, memory, results, i):
                 _begin_next(sets, tolerances, queue, scene, lanes, control, memory, results, i)
-        kind = _fullest(counts)
+        kind = _fullest(memory.waiting)
     return -1

@@ -13,14 +13,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from model.compile.kernels import Symbol, python_of
 from model.engine.mode_kinds import SIDE_CONTACTS, ModeKind, mode_of_kind
 from model.events.sources import corner_positions
 from model.physics.contacts import (
     Contact,
     contact_load,
+    corner_on_flat,
     corner_on_wall,
     dot,
     edge_on_face,
@@ -29,21 +28,22 @@ from model.physics.contacts import (
     tips_on_face,
 )
 from model.physics.forces import lack_of_press
+from model.physics.modes import Mode
 from model.physics.motion import corner_share, motion
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
 from model.physics.parameters import Constants
 from model.physics.trigonometry import sine_cosine, square_root
+from model.physics.variants import SWITCHES, Variants
 
 # Constant during a step: a number, ("given", place), or (operation, constant, constant).
 Constant = float | tuple[Any, ...]
 
-# Columns of ``Constants`` that lanes hold: all that select no variant of the equations. The signs
-# of the slips follow.
-LANE_CONSTANTS = np.array(
-    [n for n, name in enumerate(Constants._fields) if not name.startswith("printed_")]
-)
-SUPPORT_SIGN, SIDE_SIGN = len(LANE_CONSTANTS), len(LANE_CONSTANTS) + 1
-GIVEN = len(LANE_CONSTANTS) + 2
+# Lanes hold the first fields of ``Constants``: all that select no variant of the equations. The
+# signs of the slips, and the depth of a corner when it began to press, follow.
+LANE_CONSTANTS = len(Constants._fields) - len(SWITCHES)
+SUPPORT_SIGN, SIDE_SIGN, CORNER_OFFSET = range(LANE_CONSTANTS, LANE_CONSTANTS + 3)
+GIVEN = LANE_CONSTANTS + 3
+CONSISTENT = Variants().switches
 
 
 def _sum(a: Constant, b: Constant) -> Constant:
@@ -96,7 +96,9 @@ class TaylorSeries(NamedTuple):
         return (one, other) if self.rule == "product" else (self, other)
 
 
-_CONTACTS = tuple(python_of(each) for each in (edge_on_face, edge_on_side, corner_on_wall))
+_CONTACTS = tuple(
+    map(python_of, (edge_on_face, edge_on_side, corner_on_flat, corner_on_wall))
+)  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -259,11 +261,11 @@ def _share(load: Sum, load_of_edge: Sum | float) -> Sum | float:
 
 
 class EventQuantities(NamedTuple):
-    """Quantities from which the levels of events are computed, in modes that lanes hold.
+    """Quantities from which the levels of events are computed.
 
     Places as in ``CornerPositions``; for either side the loads of its edge and of its corner, and
     the slip or, while the contact sticks, the friction force. Only the insertion scene has loads of
-    corners, and only round parts have tips.
+    walls, and only round parts have tips.
     """
 
     right_along_face: Any
@@ -291,11 +293,15 @@ class Recurrences(NamedTuple):
     quantities: tuple[Sum, ...]
 
 
-_PLACES = {n: place for place, n in enumerate(LANE_CONSTANTS.tolist())}
-SYMBOLS: Any = Constants(
-    *(given(_PLACES[n]) if n in _PLACES else 0.0 for n in range(len(Constants._fields)))
-)
-"""The constants of a lane, for tracing; consistent variants."""
+def symbols_of(constants: type[Constants], switches: tuple[float, ...] = CONSISTENT) -> Any:
+    """Return the constants of a lane, for tracing: of a plane part or a round one, in a variant."""
+    return constants(*map(given, range(LANE_CONSTANTS)), *switches)
+
+
+def on_flat(q: State, p: Constants, mode: Mode) -> Contact:
+    """Return the contact of the supporting corner with the flat base, as deep as it presses."""
+    contact = corner_on_flat(mode.edge, q, p)
+    return contact._replace(depth=contact.depth - mode.corner_offset)
 
 
 def _load(contact: Contact, q: State, p: Constants) -> Any:
@@ -303,19 +309,23 @@ def _load(contact: Contact, q: State, p: Constants) -> Any:
 
 
 def recurrences(
-    kind: ModeKind, inserts: bool = False, constants: type[Constants] = Constants
+    kind: ModeKind,
+    inserts: bool = False,
+    constants: type[Constants] = Constants,
+    switches: tuple[float, ...] = CONSISTENT,
 ) -> Recurrences:
-    """Return the ``Recurrences`` of a kind of mode, with the loads of corners if it ``inserts``.
+    """Return the ``Recurrences`` of a kind of mode, with the loads of walls if it ``inserts``.
 
-    ``constants`` is the class for a plane or a round part. The equations are the consistent
-    variants. They are the same for open and released contacts.
+    ``constants`` is the class for a plane or a round part, and ``switches`` select the variant of
+    the equations. They are the same for open and released contacts.
     """
-    p, q = constants(*SYMBOLS), State(*map(sum_of, STATES))
-    mode = mode_of_kind(kind, (given(SUPPORT_SIGN), given(SIDE_SIGN)))
+    p, q = symbols_of(constants, switches), State(*map(sum_of, STATES))
+    mode = mode_of_kind(kind, (given(SUPPORT_SIGN), given(SIDE_SIGN)), given(CORNER_OFFSET))
     at = motion(sum_of(_TIME), q, p, mode)
     edge = edge_on_side(RIGHT_EDGE, q, p) if mode.in_slot else support_on_face(mode.edge, q, p)
     left_edge = edge_on_side(LEFT_EDGE, q, p)
-    corner, left_corner = corner_on_wall(RIGHT_EDGE, q, p), corner_on_wall(LEFT_EDGE, q, p)
+    corner = corner_on_wall(RIGHT_EDGE, q, p) if mode.in_slot else on_flat(q, p, mode)
+    left_corner = corner_on_wall(LEFT_EDGE, q, p)
     support, side = SIDE_CONTACTS[kind.support], SIDE_CONTACTS[kind.side]
     support_slip = (corner if support.slip_at_corner else edge).slip
     side_slip = (left_corner if side.slip_at_corner else left_edge).slip
@@ -326,7 +336,7 @@ def recurrences(
         support_friction=at.support_friction if support.sticks else support_slip,
         side_load=_load(left_edge, q, p),
         side_friction=at.side_friction if side.sticks else side_slip,
-        corner_load=_load(corner, q, p) if mode.in_slot else 0.0,
+        corner_load=_load(corner, q, p),
         wall_load=_load(left_corner, q, p) if inserts else 0.0,
     )
     accelerations = as_sum(at.x), as_sum(at.y), as_sum(at.tilt)

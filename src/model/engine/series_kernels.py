@@ -98,13 +98,14 @@ class Series:
 
     Args:
         kinds: kinds of modes, in the order of their numbers.
-        inserts, constants: as in ``recurrences``.
+        inserts, constants, switches: as in ``recurrences``.
         count: number of event quantities.
         is_resident: True where the functions are part of the code that calls them: in a page.
 
     Attributes:
         fill: functions (coefficients, given, last) of ``SeriesWriter``.
         fill_errors: functions (errors, given, coefficients, last) of ``ErrorWriter``.
+        count: number of event quantities that are sampled.
         sample: function of ``_SamplesWriter``.
         addresses: of ``fill``, then of ``fill_errors``; 0 for those that are not loaded.
     """
@@ -114,12 +115,17 @@ class Series:
         kinds: Sequence[ModeKind],
         inserts: bool,
         constants: type[Constants],
+        switches: tuple[float, ...],
         count: int,
         is_resident: bool = False,
     ) -> None:
-        self.is_resident, self._arguments = is_resident, (kinds, inserts, constants, count)
-        self.fill = _written("fill_series", SeriesWriter, *self._arguments[:3])
-        self.fill_errors = _written("fill_errors", ErrorWriter, *self._arguments[:3])
+        self.is_resident, self._arguments = (
+            is_resident,
+            ((kinds, inserts, constants, switches, count)),
+        )
+        self.count = count
+        self.fill = _written("fill_series", SeriesWriter, *self._arguments[:4])
+        self.fill_errors = _written("fill_errors", ErrorWriter, *self._arguments[:4])
         self.sample = VectorFunction(
             f"sample_series_{count}", lambda name: _SamplesWriter(name, count)
         )  # fmt: skip
@@ -134,10 +140,6 @@ class Series:
         """Load a function: compile it, unless it is stored, and write its address."""
         self.addresses[number] = address_of((*self.fill, *self.fill_errors)[number])
 
-    def resident(self) -> "Series":
-        """Return these functions as part of the code that calls them."""
-        return Series(*self._arguments, is_resident=True)
-
 
 def _written(
     name: str,
@@ -145,14 +147,16 @@ def _written(
     kinds: Sequence[ModeKind],
     inserts: bool,
     constants: type[Constants],
+    switches: tuple[float, ...],
 ) -> tuple[VectorFunction, ...]:
     """Return the function that a writer writes for each kind of mode."""
 
     def of(kind: ModeKind) -> VectorFunction:
         def write(label: str) -> VectorWriter:
-            return writer(label, Layout(recurrences(kind, inserts, constants)))
+            return writer(label, Layout(recurrences(kind, inserts, constants, switches)))
 
-        numbers = int(inserts), int(constants.is_round), *kind
+        printed = map(int, switches if any(switches) else ())
+        numbers = int(inserts), int(constants.is_round), *kind, *printed
         return VectorFunction("_".join(map(str, (name, *numbers))), write)
 
     return tuple(map(of, kinds))

@@ -12,6 +12,7 @@ from copy import copy
 from model.engine.series import LACK_OF_PRESS, STATES, EventQuantities, Recurrences, TaylorSeries
 
 ORDER = 16  # of the series
+METHOD = f"Taylor series of order {ORDER}"
 # Orders of the linearised motion, by how far the fastest oscillation turns in a step (decision 3):
 # on stiff bases it may be 3 radians.
 ERROR_ORDERS = (5, 7, 9)
@@ -25,7 +26,7 @@ SINES = STATE_LINES + len(EventQuantities._fields)
 LACK = SINES + 4  # line of what the press falls short of f0, linear in time
 _OTHERS = LACK + 1
 LINES = _OTHERS + 16  # as many as the modes of plane parts on the edges need
-FURTHER_LINES = 60  # of round parts, and of modes in the slot; they follow the last order
+FURTHER_LINES = 64  # of round parts, and of modes in the slot; they follow the last order
 FRACTIONS = (0.25, 0.5, 0.75, 1.0)  # of a step, at which it is sampled
 NODES = len(FRACTIONS) + 1
 # Orders summed at these fractions: omitted terms are below 1e-4 of the last ones at the step's end.

@@ -19,7 +19,6 @@ from model.engine.carried_error import errors_at_ends
 from model.engine.lane_events import (
     CURVATURE,
     QUANTITIES,
-    is_partial,
     quantity_line,
     sample_levels,
     sample_line,
@@ -33,19 +32,23 @@ from model.engine.series_layout import (
     ORDER,
     REMAINDER,
     SINES,
+    STATE_LINES,
     TILT,
 )
 from model.engine.workspace import (
     CANDIDATES,
     COEFFICIENTS,
     CONTACTS_AT,
+    CORNER_LOAD,
     END,
     ERROR_ORDER,
+    FACE_LOAD,
     FILLED_ORDER,
     HALT,
     LAST_ORDER,
     LINE,
     LONGEST,
+    SIDE_LOAD,
     STEP_LENGTH,
     TIME,
     TOLERANCE,
@@ -56,18 +59,23 @@ from model.engine.workspace import (
     state_in_lane,
     store_state_in_lane,
 )
-from model.events.event_functions import FLAT, NEVER, ON_AN_EVENT
+from model.events.event_functions import NEVER, ON_AN_EVENT
 from model.events.friction import REST_SLIP, without_slip
 from model.physics.forces import lack_of_press
+from model.physics.modes import OPEN
 from model.physics.motion import largest_rate
 from model.physics.trigonometry import sine_cosine
 
-ALL_SUBINTERVALS = 15  # mask
-# Lines of states and places, of plane and of round parts.
-_LINES_OF_PLACES = tuple(range(CONTACTS_AT)), (*range(CONTACTS_AT), LINE["tips_depth"])
+# Lines whose terms limit a step, of plane and of round parts: states and places; with tips, their
+# load and slip too, whose series end sooner than those of the states.
+_OF_TIPS = FACE_LOAD, LINE["support_friction"]
+_LINES_OF_STEPS = (
+    tuple(range(CONTACTS_AT)),
+    (*range(CONTACTS_AT), LINE["tips_depth"], *_OF_TIPS),
+)
+# So do those of the loads of contacts whose damping depends on the speed, printed as R3.
+_LOADS = FACE_LOAD, SIDE_LOAD, CORNER_LOAD
 LAST_TERMS = 4.0  # size of the last terms of a series over the tolerance; the remainder is smaller
-# Below this level of a landing corner, whose rise lanes do not hold, the reference engine decides.
-TOO_FLAT_TO_TELL = 10.0 * FLAT
 
 
 _MOST_TURNED = (1.2, 2.2, inf)  # radians of the fastest oscillation in a step, by ``ERROR_ORDERS``
@@ -111,8 +119,17 @@ def _step_of(lanes, order, admitted, w, i):
     divisions.
     """
     largest_size, its_scale = 1e-200, 1.0
-    for n in _LINES_OF_PLACES[lanes.events.constants.is_round]:
+    lines, mode = _LINES_OF_STEPS[lanes.events.constants.is_round], mode_of_lane(lanes, w, i)
+    if lanes.symbols.printed_contact_damping_law != 0.0:
+        lines = (*lines, *_LOADS)
+    for n in lines:
         size = abs(w[(COEFFICIENTS + order * LINES + n) * WIDTH + i])
+        if n in _OF_TIPS:
+            size = size if mode.face != OPEN else 0.0
+        elif n == SIDE_LOAD:
+            size = size if mode.side != OPEN else 0.0
+        elif n == CORNER_LOAD:
+            size = size if mode.corner != OPEN else 0.0
         scale = 1.0 + abs(w[(COEFFICIENTS + n) * WIDTH + i])
         is_larger = size * its_scale > largest_size * scale
         largest_size = size if is_larger else largest_size
@@ -120,9 +137,22 @@ def _step_of(lanes, order, admitted, w, i):
     return nth_root(admitted * its_scale / largest_size, order)
 
 
+@inlined_kernel
+def _nothing(lanes, w, i):
+    """Return 0, or NaN if a last coefficient of the states or event quantities is not a number."""
+    last, total = COEFFICIENTS + ORDER * LINES, 0.0
+    for n in range(STATE_LINES + lanes.series.count):
+        total = total + w[(last + n) * WIDTH + i]
+    return 0.0 * total
+
+
 @kernel
 def _set_lengths(lanes, w):
-    """Set the steps at which the larger of the last two terms equals the admissible error."""
+    """Set the steps at which the larger of the last two terms equals the admissible error.
+
+    A step is NaN where a series that counts or is sampled has no numbers: comparisons would let it
+    pass.
+    """
     for i in each_lane():
         admitted = LAST_TERMS * w[TOLERANCE * WIDTH + i]
         step = min(
@@ -130,7 +160,8 @@ def _set_lengths(lanes, w):
         )
         step = min(step, w[LONGEST * WIDTH + i])
         time, halt = w[TIME * WIDTH + i], w[HALT * WIDTH + i]
-        w[STEP_LENGTH * WIDTH + i] = halt - time if time + 1.0001 * step >= halt else step
+        step = halt - time if time + 1.0001 * step >= halt else step
+        w[STEP_LENGTH * WIDTH + i] = step + _nothing(lanes, w, i)
 
 
 @kernel
@@ -220,10 +251,10 @@ def _screen_single(lanes, which, w):
 
 
 @inlined_kernel
-def _is_clear(lanes, which, part, least, w, i):
-    """Return whether a quantity stays above its bound, and above ``least``, at every node."""
+def _is_clear(lanes, which, part, w, i):
+    """Return whether a quantity stays above its bound at every node."""
     values = tuple(w[quantity_line(lanes, which, n, part) * WIDTH + i] for n in range(NODES))
-    return min(values) > max(least, w[quantity_line(lanes, which, NODES, part) * WIDTH + i])
+    return min(values) > w[quantity_line(lanes, which, NODES, part) * WIDTH + i]
 
 
 @inlined_kernel
@@ -232,13 +263,13 @@ def _screen_combined(lanes, which, w):
 
     It stays above zero if one of the quantities does.
     """
-    bit, least = float(1 << which), TOO_FLAT_TO_TELL if is_partial(lanes, which) else 0.0
+    bit = float(1 << which)
     for i in each_lane():
         is_clear = (
-            _is_clear(lanes, which, 0, least, w, i)
-            | _is_clear(lanes, which, 1, least, w, i)
-            | _is_clear(lanes, which, 2, least, w, i)
-            | _is_clear(lanes, which, 3, least, w, i)
+            _is_clear(lanes, which, 0, w, i)
+            | _is_clear(lanes, which, 1, w, i)
+            | _is_clear(lanes, which, 2, w, i)
+            | _is_clear(lanes, which, 3, w, i)
             | (w[sample_line(lanes, which, 0) * WIDTH + i] == NEVER)
         )
         w[CANDIDATES * WIDTH + i] += 0.0 if is_clear else bit
@@ -279,7 +310,6 @@ def _find_single(lanes, which, w):
 @inlined_kernel
 def _find_combined(lanes, which, w):
     """Write the subintervals that may contain a down-crossing of the largest of quantities."""
-    partial = is_partial(lanes, which)
     for i in each_lane():
         bounds = _quantities_at(lanes, which, NODES, w, i)
         q = tuple(_quantities_at(lanes, which, node, w, i) for node in range(NODES))
@@ -287,10 +317,8 @@ def _find_combined(lanes, which, w):
             one_stays_above(q[0], q[1], bounds), one_stays_above(q[1], q[2], bounds),
             one_stays_above(q[2], q[3], bounds), one_stays_above(q[3], q[4], bounds),
         )  # fmt: skip
-        # In a nearly flat part, a level at zero to rounding may already be negative.
-        g = _levels_of(lanes, which, w, i)
-        mask = float(ALL_SUBINTERVALS) if partial & (min(g) < TOO_FLAT_TO_TELL) else mask
-        _set_subintervals(lanes, which, 0.0 if g[0] == NEVER else mask, w, i)
+        first = w[sample_line(lanes, which, 0) * WIDTH + i]
+        _set_subintervals(lanes, which, 0.0 if first == NEVER else mask, w, i)
 
 
 @kernel

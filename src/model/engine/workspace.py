@@ -4,20 +4,16 @@ A line of the workspace ``w`` holds one number per lane: line n of lane i is ``w
 Loops over lanes are plain arithmetic, so that the compiler vectorizes them; the series are written
 for vectors (series_code.py). scheduling.py copies runs into lanes, step.py fills the other lines,
 and event_search.py, peaks.py and carried_error.py read them lane by lane.
-
-Lanes hold the modes in which the part rests on A1 or flies, alone or with A2 on its left side face;
-in the insertion scene also those on A2, and those in the slot (mode_kinds.py lists their kinds).
-Other modes, and printed variants of the equations, are left to the reference engine.
 """
 
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from model.compile.kernels import inlined_kernel
 from model.compile.vector_code import WIDTH
-from model.engine.scalar.tableaux import Array
-from model.engine.series import GIVEN, SYMBOLS, EventQuantities
+from model.engine.series import GIVEN, EventQuantities
 from model.engine.series_layout import FURTHER_LINES, LINES, NODES, ORDERS, SINES, TILT
 from model.events.table import PLACES_OF_CONTACT
 from model.physics.modes import MODE_KINDS, START, Mode
@@ -51,26 +47,25 @@ LINE = {"tilt": TILT} | {name: STATE_SIZE + n for n, name in enumerate(EventQuan
 FACE_LOAD, SIDE_LOAD, CORNER_LOAD, WALL_LOAD = (
     LINE[f"{contact}_load"] for contact in ("face", "side", "corner", "wall")
 )
-EDGE, SIDE, WALL = map(PLACES_OF_CONTACT.index, ("edge", "side", "wall"))
+EDGE, CORNER, SIDE, WALL = map(PLACES_OF_CONTACT.index, ("edge", "corner", "side", "wall"))
 CONTACTS_AT = FACE_LOAD  # the first line that is neither a state nor a place
 
 
 @inlined_kernel
 def loads_of(mode):
-    """Return (line, normal state, index in ``PLACES_OF_CONTACT``) of the load of each contact.
-
-    Lanes hold no corner on the flat base.
-    """
+    """Return (line, normal state, index in ``PLACES_OF_CONTACT``) of the load of each contact."""
     return (
-        (FACE_LOAD, mode.face, SIDE if mode.in_slot else EDGE), (SIDE_LOAD, mode.side, SIDE),
-        (CORNER_LOAD, mode.corner, WALL), (WALL_LOAD, mode.wall, WALL),
-    )  # fmt: skip
+        (FACE_LOAD, mode.face, SIDE if mode.in_slot else EDGE),
+        (CORNER_LOAD, mode.corner, WALL if mode.in_slot else CORNER),
+        (SIDE_LOAD, mode.side, SIDE),
+        (WALL_LOAD, mode.wall, WALL),
+    )
 
 
 _CACHE_LINE = 64  # bytes
 
 
-def new_workspace(lines: int) -> Array:
+def new_workspace(lines: int) -> NDArray[np.float64]:
     """Return a workspace of ``lines`` lines, aligned to cache lines."""
     count, more = lines * WIDTH, _CACHE_LINE // 8
     numbers = np.zeros(count + more)
@@ -80,14 +75,14 @@ def new_workspace(lines: int) -> Array:
 
 @inlined_kernel
 def _given_in(symbol, w, i):
-    """Return a constant of lane ``i``, of which ``SYMBOLS`` tells the place."""
-    return 0.0 if isinstance(symbol, float) else w[symbol.constant[1] * WIDTH + i]
+    """Return a constant of lane ``i``, of which ``symbols_of`` tells the place."""
+    return symbol if isinstance(symbol, float) else w[symbol.constant[1] * WIDTH + i]
 
 
 @inlined_kernel
 def constants_of_lane(lanes, w, i):
-    """Return the constants of lane ``i``, of a plane part or a round one; consistent variants."""
-    return lanes.events.constants(*(_given_in(symbol, w, i) for symbol in SYMBOLS))
+    """Return the constants of lane ``i``, of a plane part or a round one."""
+    return lanes.events.constants(*(_given_in(symbol, w, i) for symbol in lanes.symbols))
 
 
 @inlined_kernel
@@ -103,10 +98,12 @@ def store_state_in_lane(q, w, first, i):
         w[(first + n) * WIDTH + i] = value
 
 
-# Numbers of the fields of ``Mode`` that lanes hold in the alignment scene, and in the insertion
-# scene. All others are as in ``START``.
-VARIED = tuple(map(Mode._fields.index, ("face", "support_slip", "side", "side_slip", "dropped")))
-VARIED_IN_SLOT = tuple(n for n, name in enumerate(Mode._fields) if name != "corner_offset")
+# Numbers of the fields of ``Mode`` that vary in the alignment scene; others are as in ``START``.
+VARIED = tuple(
+    n
+    for n, name in enumerate(Mode._fields)
+    if name not in ("in_slot", "wall", "slip_at_wall", "corners_inside")
+)
 
 
 @inlined_kernel

@@ -11,7 +11,6 @@ times the row is the generalized force, and the row times (ẋ, ẏ, φ̇) the v
 point along the force (virtual work). In printed variants rows of forces differ from ``slip_row``.
 """
 
-from math import sqrt
 from typing import NamedTuple
 
 from model.compile.kernels import inlined_kernel, operation
@@ -158,7 +157,7 @@ def edge_on_side(edge, q, p):
     return Contact(depth, closing_rate, away, slip, drift, normal, tangent, tangent)
 
 
-@inlined_kernel
+@operation
 def corner_on_flat(side, q, p):
     """Return the contact of corner B1 (``side`` = +1) or B2 (-1) with the flat base in state ``q``.
 
@@ -199,6 +198,6 @@ def contact_load(depth, closing_rate, q, p):
     It is not clamped: where it is negative, the base would have to pull.
     """
     if p.printed_contact_damping_law != 0.0:
-        speed = sqrt(q.x_rate * q.x_rate + q.y_rate * q.y_rate)
+        speed = square_root(q.x_rate * q.x_rate + q.y_rate * q.y_rate)
         return p.contact_stiffness * depth - p.contact_damping * speed
     return p.contact_stiffness * depth + p.contact_damping * closing_rate

@@ -32,7 +32,7 @@ from model.physics.quantities import (
     TILT_STIFFNESS,
 )
 from model.physics.tables import Value, described, entries, numbers
-from model.physics.variants import VARIANT_NAMES, Variants
+from model.physics.variants import SWITCHES, VARIANT_NAMES, Variants
 
 Shape = Literal["round", "square"]
 """Shape of the part and the hole: round, or the paper's plane one, of a square peg and a slot."""
@@ -184,7 +184,7 @@ _CONSTANTS = (
     *(_RESOLVED.get(name, name) for name in PARAMETER_NAMES),
     "ramp_end",
     "insertion_depth",
-    *(f"printed_{name}" for name in VARIANT_NAMES if name != "preload"),
+    *(f"printed_{name}" for name in SWITCHES),
 )
 
 

@@ -26,6 +26,9 @@ UNITS: Mapping[str, Field] = {
     "amplitude": Field("A", "amplitude (peak) of the holder's excitation", LENGTH, "> 0"),
 }
 
+# The quantities that a device must state.
+NEEDED = (*UNITS, *(n for n in FIELDS if n in REQUIRED_NAMES or FIELDS[n].measured))
+
 
 @dataclass(frozen=True)
 class Units:
@@ -111,10 +114,9 @@ def device(quantities: Mapping[str, float]) -> Device:
     """
     for name in quantities:
         check_name(name, (*UNITS, *PARAMETER_NAMES), "quantity of a device")
-    needed = (*UNITS, *(n for n in FIELDS if n in REQUIRED_NAMES or FIELDS[n].measured))
-    for name in needed:
+    for name in NEEDED:
         if name not in quantities:
-            raise ValueError(f"{name} is missing: a device needs {', '.join(needed)}")
+            raise ValueError(f"{name} is missing: a device needs {', '.join(NEEDED)}")
     units = Units(**{name: quantities[name] for name in UNITS})
     given = {name: value for name, value in quantities.items() if name not in UNITS}
     Parameters(**given)  # the rules hold in any units: a refusal here names the value in SI

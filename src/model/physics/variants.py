@@ -66,5 +66,11 @@ class Variants:
         """Return 1.0 if the switch ``name`` is printed, else 0.0, as kernels take it."""
         return float(getattr(self, name) == "printed")
 
+    @property
+    def switches(self) -> tuple[float, ...]:
+        """Switches of the equations by ``is_printed``: the last fields of ``Constants``."""
+        return tuple(map(self.is_printed, SWITCHES))
+
 
 VARIANT_NAMES: tuple[str, ...] = tuple(field.name for field in fields(Variants))
+SWITCHES = tuple(name for name in VARIANT_NAMES if name != "preload")  # which changes a parameter

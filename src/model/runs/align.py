@@ -11,7 +11,7 @@ from model.engine.results import RESULTS, VALUE_TYPES, Results, RunResult, resul
 from model.events.outcomes import Outcome
 from model.physics.parameters import Batch, Parameters
 from model.physics.tables import described
-from model.runs.engines import Array, Engine, engine_for, error_carrying_engine
+from model.runs.engine import Array, engine_for
 from model.runs.errors import estimate
 from model.runs.settings import Settings, settings_with
 
@@ -50,7 +50,7 @@ def run_once(batch: Batch, settings: Settings, *, cores: int = 1) -> dict[str, A
     of ``RunResult`` by name, each of shape (n,), dimensionless.
     """
     rows = settings.rows(batch)
-    run = engine_for(settings, cores=cores)
+    run = engine_for(settings, cores)
     results = RunResult(*run(rows, np.full(len(rows), settings.tolerance)).T)
     return dict(results._asdict())
 
@@ -60,7 +60,6 @@ def align(
     settings: Settings | None = None,
     *,
     cores: int | None = None,
-    engine: Engine | None = None,
     **changes: Any,
 ) -> Alignments:
     """Run every parameter set of ``batch`` to its end and estimate the error of its result.
@@ -74,8 +73,7 @@ def align(
     cores = os.cpu_count() or 1 if cores is None else cores
     if cores < 1:
         raise ValueError(f"cores = {cores!r}: must be >= 1")
-    run = engine_for(settings, engine, cores)
-    carrying = error_carrying_engine(settings, engine, cores)
-    found = estimate(run, settings.rows(rows_of), settings.tolerance, carrying, settings.horizon)
+    run, carrying = (engine_for(settings, cores, carries_error=each) for each in (False, True))
+    found = estimate(run, carrying, settings.rows(rows_of), settings.tolerance, settings.horizon)
     columns = found.columns()
     return Alignments(**{name: columns[name].astype(VALUE_TYPES[name].array) for name in RESULTS})

@@ -1,18 +1,18 @@
 """Error estimates: from the error that a run carries, or from neighbouring runs.
 
-Carried errors. The batch engine carries the error of a run along (engine/carried_error.py),
-and with it the errors of its times. It runs at the tolerance divided by ``FINER``. The few sets
+Carried errors. A run carries its error along (engine/carried_error.py), and with it the errors of
+its times. It runs at the tolerance divided by ``FINER``. The few sets
 whose error is larger than the tolerance promises (``PROMISED``) are run again at a smaller one. In
 the second run errors may cancel by chance: its estimate is at least that of the first run, times
 the ratio of the tolerances and divided by 4. Whether such a set is sensitive, a neighbour decides:
 a run from a start displaced by the tolerance, which may depart by far more than the run's own
 error.
 
-Neighbours. They give the estimate where a run carries no error (reference engine), or one too large
-for the linearised motion, where a part starts nearly flat, or with a gap below the tolerance. A
-neighbour is run at ``COARSER`` times the tolerance, with x(0) displaced by the tolerance. The set
-is run again at a smaller tolerance if the two outcomes differ, or if their times are far apart or
-differ by more than the tolerance promises.
+Neighbours. They give the estimate where a run carries an error too large for the linearised motion,
+where a part starts nearly flat, or with a gap below the tolerance. A neighbour is run at
+``COARSER`` times the tolerance, with x(0) displaced by the tolerance. The set is run again at a
+smaller tolerance if the two outcomes differ, or if their times are far apart or differ by more than
+the tolerance promises.
 
 Sensitive sets. A set is sensitive if the run with the displaced start, at the smaller tolerance,
 still ends with another outcome or at another time: the digits of its alignment time would be
@@ -22,7 +22,7 @@ on its edge or on its corner, or touches the base at all.
 
 Horizons. A run that ends by the horizon is sensitive if the edge is then as near to the corner as
 the error of its place, and an aligned or inserted one if the horizon is within the error of its
-time. Where neighbours give the errors, these are at least those of a neighbour's tolerance.
+time.
 
 Chaotic runs. If a run and its neighbour both reach the horizon, but differ in lift-offs, sticking,
 or other events and the largest tilt, a run at another tolerance may align by chance. The reason of
@@ -38,7 +38,7 @@ from model.engine.results import RunResult
 from model.events.event_functions import FLAT
 from model.events.outcomes import Outcome, Reason
 from model.physics.parameters import Constants
-from model.runs.engines import Array, Run
+from model.runs.engine import Array, Run
 
 FINER = 100.0  # tolerance asked for over the tolerance of runs that carry their error
 COARSER = 16.0  # tolerance of a neighbour over that of the run
@@ -82,26 +82,21 @@ class Estimate(NamedTuple):
 
 
 def estimate(
-    run: Run,
-    rows: Array,
-    tolerance: float,
-    carrying: Run | None = None,
-    horizon: float = np.inf,
+    run: Run, carrying: Run, rows: Array, tolerance: float, horizon: float = np.inf
 ) -> Estimate:
     """Run every row, shape (n, constants), and estimate its error; see the module.
 
-    ``tolerance`` is the tolerance asked for. ``carrying`` is the engine whose runs carry their
-    errors; without one, the errors come from neighbours. ``horizon`` is that of the runs.
+    ``tolerance`` is the tolerance asked for, ``carrying`` the engine with which runs carry their
+    errors, and ``horizon`` that of the runs.
     """
-    sharper = tolerance if carrying is None else max(tolerance / FINER, FINEST)
-    first = run if carrying is None else carrying
-    found, doubtful = _by_carried_errors(first, rows, np.full(len(rows), sharper))
+    sharper = max(tolerance / FINER, FINEST)
+    found, doubtful = _by_carried_errors(carrying, rows, np.full(len(rows), sharper))
     error = np.fmax(found.tau_error, found.insertion_error)
     imprecise = (error > _CARRIED * PROMISED * tolerance) & ~doubtful
     if imprecise.any() and sharper > FINEST:
         reduced = sharper * PROMISED * tolerance / (_SAFETY * error[imprecise])
         reduced = np.maximum(reduced, FINEST)
-        finer, doubtful[imprecise] = _by_carried_errors(first, rows[imprecise], reduced)
+        finer, doubtful[imprecise] = _by_carried_errors(carrying, rows[imprecise], reduced)
         # Lower bound from the first run, in case errors cancel in the second.
         least = found.tau_error[imprecise] * reduced / sharper / _SAFETY
         np.maximum(finer.tau_error, least, out=finer.tau_error)
@@ -117,10 +112,9 @@ def estimate(
         found.sensitive[again] = _ends_apart(Constants(*rows[again].T), own, neighbour)
         found.rhs_evaluations[again] += neighbour.rhs_evaluations
     results = RunResult(*found.results.T)
-    coarse = COARSER * tolerance if carrying is None else 0.0  # of a neighbour, as in _compare
-    found.sensitive[:] |= horizon - results.tau_align <= np.fmax(found.tau_error, coarse)
+    found.sensitive[:] |= horizon - results.tau_align <= found.tau_error
     inserted = results.tau_inserted  # the horizon begins anew at alignment
-    found.sensitive[:] |= horizon - inserted <= np.fmax(found.insertion_error, coarse)
+    found.sensitive[:] |= horizon - inserted <= found.insertion_error
     return found
 
 
@@ -150,7 +144,9 @@ def _by_carried_errors(
         rhs_evaluations=found.rhs_evaluations.copy(),
         tolerance=tolerance,
     )
-    return made, ~is_small | is_flat | _is_too_narrow(p, tolerance)
+    is_unknown = np.isnan(made.tau_error) & ~np.isnan(found.tau_align)
+    is_unknown |= np.isnan(made.insertion_error) & ~np.isnan(inserted)
+    return made, ~is_small | is_unknown | is_flat | _is_too_narrow(p, tolerance)
 
 
 def _by_neighbours(run: Run, rows: Array, known: Estimate, asked: float) -> Estimate:

@@ -1,6 +1,6 @@
-"""The engines as WebAssembly modules, for a page that runs them: the scalar and the batch engine.
+"""The engine as a WebAssembly module, for a page that runs it.
 
-A page calls the same entries as Python (compile/entries.py), with arrays in its own memory;
+A page calls the same entry as Python (compile/entries.py), with arrays in its own memory;
 ``interface`` tells their lengths, and the names of their columns.
 """
 
@@ -13,7 +13,6 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -25,17 +24,16 @@ from model.compile.entries import flattened
 from model.compile.identity import PACKAGE, digest_of
 from model.compile.kernels import inlined_kernel, kernel
 from model.compile.webassembly import web_assembly_of
-from model.engine.lane_events import lane_events_of
+from model.engine.lane_events import LaneEvents, lane_events_of
 from model.engine.lifecycle import Control
 from model.engine.results import RunResult
-from model.engine.scalar.loop import new_scalar_memory
-from model.engine.scheduling import begin_all, integrate_all, new_batch_memory
+from model.engine.scheduling import begin_all, integrate_all, new_memory
+from model.engine.track import COLUMNS
 from model.events.insertion import INSERTION
 from model.events.kernels import SceneEvents, in_kernels
-from model.events.scenes import ALIGNMENT, Scene
+from model.events.scenes import Scene
 from model.physics.parameters import PARAMETER_NAMES, Constants, Given, Shape, resolved
 from model.runs.settings import SCENES, Settings
-from model.runs.trace import COLUMNS, integrate_trace
 
 # ------------------------------------------------------------------------------------------ kernels
 
@@ -54,25 +52,11 @@ def _control_in(limits):
     return Control(*(limits[1 + n] for n in range(len(Control._fields))))
 
 
-def _run_one(scene: SceneEvents) -> Any:
-    """Make the kernel that runs one set and fills its track."""
+def _run(scene: SceneEvents, lanes: LaneEvents) -> Any:
+    """Make the kernel that runs any number of sets, a single one with its track."""
 
     @kernel
-    def run_one(given, limits, track, queue, results, constants, memory):
-        _resolve(given[0], constants)
-        control = _control_in(limits)
-        integrate_trace(constants, limits[0], scene, control, track, results, memory, queue)
-
-    return run_one
-
-
-def _run_many(scene: SceneEvents) -> Any:
-    """Make the kernel that runs any number of sets."""
-    lanes = lane_events_of(scene.events)
-    lanes = replace(lanes, series=lanes.series.resident())
-
-    @kernel
-    def run_many(given, limits, results, constants, tolerances, queue, memory):
+    def run(given, limits, results, constants, tolerances, queue, memory):
         for n in range(given.shape[0]):
             _resolve(given[n], constants[n])
             tolerances[n] = limits[0]
@@ -81,51 +65,41 @@ def _run_many(scene: SceneEvents) -> Any:
         begin_all(constants, tolerances, scene, lanes, control, queue, results, memory)
         integrate_all(constants, tolerances, scene, lanes, control, queue, results, memory)
 
-    return run_many
+    return run
 
 
 # ------------------------------------------------------------------------------------- declarations
 
-_CONSTANTS, _RESULTS, _GIVEN = len(Constants._fields), len(RunResult._fields), len(PARAMETER_NAMES)
+# Arguments whose first length the page chooses: the sets, and the rows of a track.
+_LENGTHS = {
+    **dict.fromkeys(("given", "results", "constants", "tolerances"), "sets"),
+    "memory.track": "rows",
+}
 
 
 class _Declared(NamedTuple):
-    """A function of the page.
-
-    Attributes:
-        kernel: the kernel that it is made of.
-        arguments: its arguments by name, as arrays of the right shapes.
-        lengths: "sets" or "rows" for arguments whose first length the page chooses.
-    """
+    """The function of the page: its kernel, and its arguments as arrays of the right shapes."""
 
     kernel: Any
     arguments: dict[str, Any]
-    lengths: dict[str, str]
 
 
-def _declared(is_round: bool, scene: Scene) -> dict[str, _Declared]:
-    """Return the functions: ``run_one`` has the scene, ``run_many`` ends at alignment."""
-    own, aligning = (in_kernels(each, is_round) for each in (scene, ALIGNMENT))
-    given, limits = np.zeros((1, _GIVEN)), np.zeros(1 + len(Control._fields))
-    results = np.zeros((1, _RESULTS))
-    one = {
-        "given": given, "limits": limits, "track": np.zeros((1, len(COLUMNS))),
-        "queue": np.zeros(3, np.int64), "results": results, "constants": np.zeros(_CONSTANTS),
-        "memory": new_scalar_memory(),
-    }  # fmt: skip
-    lanes = lane_events_of(aligning.events)
-    many = {
-        "given": given, "limits": limits, "results": results,
-        "constants": np.zeros((1, _CONSTANTS)), "tolerances": np.zeros(1),
-        "queue": np.zeros(3, np.int64), "memory": new_batch_memory(lanes),
-    }  # fmt: skip
-    sets = dict.fromkeys(("given", "results"), "sets")
-    return {
-        "run_one": _Declared(_run_one(own), one, sets | {"track": "rows"}),
-        "run_many": _Declared(
-            _run_many(aligning), many, sets | dict.fromkeys(("constants", "tolerances"), "sets")
-        ),
-    }
+def _declared(is_round: bool, scene: Scene) -> _Declared:
+    """Return the function, of a scene."""
+    declared = in_kernels(scene, is_round)
+    lanes = lane_events_of(declared.events, is_resident=True)
+    return _Declared(
+        _run(declared, lanes),
+        {
+            "given": np.zeros((1, len(PARAMETER_NAMES))),
+            "limits": np.zeros(1 + len(Control._fields)),
+            "results": np.zeros((1, len(RunResult._fields))),
+            "constants": np.zeros((1, len(Constants._fields))),
+            "tolerances": np.zeros(1),
+            "queue": np.zeros(3, np.int64),
+            "memory": new_memory(lanes),
+        },
+    )
 
 
 def _arrays_in(name: str, value: Any) -> Iterator[tuple[str, NDArray[Any]]]:
@@ -142,7 +116,7 @@ def _layout(function: _Declared) -> list[dict[str, Any]]:
     return [
         {
             "name": name,
-            "length": function.lengths.get(name, array.shape[0]),
+            "length": _LENGTHS.get(name, array.shape[0]),
             "size": int(np.prod(array.shape[1:])),
         }
         for argument, value in function.arguments.items()
@@ -153,16 +127,15 @@ def _layout(function: _Declared) -> list[dict[str, Any]]:
 # ------------------------------------------------------------------------------------------ modules
 
 
-class Modules(NamedTuple):
-    """The two engines as WebAssembly, and the ``interface`` by which a page calls them."""
+class Module(NamedTuple):
+    """The engine as WebAssembly, and the ``interface`` by which a page calls it."""
 
-    run_one: bytes
-    run_many: bytes
+    binary: bytes
     interface: dict[str, Any]
 
 
 def interface(scene: Scene = INSERTION, shape: Shape = "square") -> dict[str, Any]:
-    """Return the names and numbers with which a page calls the engines and reads their results."""
+    """Return the names and numbers with which a page calls the engine and reads its results."""
     events = in_kernels(scene, shape == "round").events
     return {
         "shape": shape,
@@ -189,18 +162,15 @@ def _compile_apart(folder: Path, shape: Shape, scene: Scene) -> None:
 
 
 def _compile(folder: Path, shape: Shape, scene_name: str) -> None:
-    """Write the modules and their interface into ``folder``."""
+    """Write the module and its interface into ``folder``."""
     scene = SCENES[scene_name]
-    table = interface(scene, shape) | {"functions": {}}
-    for name, function in _declared(shape == "round", scene).items():
-        types = tuple(flattened(each, []) for each in function.arguments.values())
-        made = web_assembly_of((function.kernel, types))
-        sha256 = hashlib.sha256(made.binary).hexdigest()
-        arguments = _layout(function)
-        stated = {"stack": made.stack, "arguments": arguments, "sha256": sha256}
-        table["functions"][name] = stated
-        (folder / f"{name}.wasm").write_bytes(made.binary)
-    (folder / "interface.json").write_text(json.dumps(table))
+    function = _declared(shape == "round", scene)
+    types = tuple(flattened(each, []) for each in function.arguments.values())
+    made = web_assembly_of((function.kernel, types))
+    sha256 = hashlib.sha256(made.binary).hexdigest()
+    stated = {"stack": made.stack, "arguments": _layout(function), "sha256": sha256}
+    (folder / "engine.wasm").write_bytes(made.binary)
+    (folder / "interface.json").write_text(json.dumps(interface(scene, shape) | stated))
 
 
 def _folder(shape: Shape, scene: Scene) -> Path:
@@ -208,13 +178,13 @@ def _folder(shape: Shape, scene: Scene) -> Path:
     return cache_folder() / "webassembly" / f"{shape}_{scene.name}_{digest}"
 
 
-def are_cached(shape: Shape = "square", scene: Scene = INSERTION) -> bool:
-    """Return whether the modules are compiled already."""
+def is_cached(shape: Shape = "square", scene: Scene = INSERTION) -> bool:
+    """Return whether the module is compiled already."""
     return _folder(shape, scene).exists()
 
 
-def modules(shape: Shape = "square", scene: Scene = INSERTION) -> Modules:
-    """Return the modules for parts of a shape in a scene, compiled unless they are cached.
+def module_for(shape: Shape = "square", scene: Scene = INSERTION) -> Module:
+    """Return the module for parts of a shape in a scene, compiled unless it is cached.
 
     Raises:
         OSError: no folder for temporary files can be written.
@@ -232,14 +202,13 @@ def modules(shape: Shape = "square", scene: Scene = INSERTION) -> Modules:
     return compiled
 
 
-def _kept(folder: Path) -> Modules | None:
-    """Return the modules in a folder, None if one is missing or not as it was written."""
+def _kept(folder: Path) -> Module | None:
+    """Return the module in a folder, None if it is missing or not as it was written."""
     try:
         table = json.loads((folder / "interface.json").read_text())
-        found = {name: (folder / f"{name}.wasm").read_bytes() for name in table["functions"]}
-        for name, module in found.items():
-            if hashlib.sha256(module).hexdigest() != table["functions"][name]["sha256"]:
-                return None
-        return Modules(**found, interface=table)
+        binary = (folder / "engine.wasm").read_bytes()
+        if hashlib.sha256(binary).hexdigest() != table["sha256"]:
+            return None
+        return Module(binary, table)
     except (OSError, ValueError, LookupError, TypeError):
         return None

@@ -27,6 +27,11 @@ SCENES: dict[str, Scene] = {scene.name: scene for scene in (ALIGNMENT, INSERTION
 _SETTLING = 1e-8
 
 
+def _is_number(value: Any) -> bool:
+    """Return whether a value is a real number; True and False are none."""
+    return isinstance(value, numbers.Real) and not isinstance(value, bool)
+
+
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Settings(Value):
     """Settings of a run: everything that is not a parameter of the device.
@@ -52,7 +57,7 @@ class Settings(Value):
             ``INSERTION`` only; by default that of ``Batch.insertion_depths``.
         horizon: latest time τ of a run, > 0, dimensionless.
         tolerance: largest local error of a step, 1e-14 to 1e-2, relative to ``1 + |state|``;
-            ``align`` runs the batch engine at a hundredth of it, but not below 1e-14.
+            ``align`` and ``simulate`` run at a hundredth of it, but not below 1e-14.
         max_evaluations: largest number of right-hand-side evaluations of one integration, >= 1.
         may_settle: stop a run in periodic steady state, which never aligns.
         alignment_only: end a run at alignment without computing the largest tilt and force:
@@ -77,8 +82,11 @@ class Settings(Value):
 
     def __post_init__(self) -> None:
         for name in ("horizon", "tolerance", "max_evaluations"):
-            if not isinstance(getattr(self, name), numbers.Real):
+            if not _is_number(getattr(self, name)):
                 raise TypeError(f"{name} = {getattr(self, name)!r}: must be a number")
+        for name in ("may_settle", "alignment_only"):
+            if not isinstance(getattr(self, name), bool | np.bool_):
+                raise TypeError(f"{name} = {getattr(self, name)!r}: must be True or False")
         kinds = {"readings": Variants, "scene": Scene}
         for name, kind in kinds.items():
             if not isinstance(getattr(self, name), kind):
@@ -102,7 +110,7 @@ class Settings(Value):
                 f"start = 'pressed': the scene {self.scene.name!r} must declare edge_on_face"
             )
         depth = self.insertion_depth
-        if depth is not None and not (isinstance(depth, numbers.Real) and 0.0 < depth < math.inf):
+        if depth is not None and not (_is_number(depth) and 0.0 < depth < math.inf):
             raise ValueError(f"insertion_depth = {depth!r}: must be a finite number > 0, or None")
         if depth is not None and self.success is not Outcome.INSERTED:
             raise ValueError(

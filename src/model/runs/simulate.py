@@ -13,20 +13,16 @@ from model.engine.results import (
     TRACK_VARIABLES,
     VALUE_TYPES,
     Results,
-    RunResult,
     results_table,
 )
-from model.engine.scalar.loop import TRACK_COLUMNS
 from model.events.outcomes import OUTCOME_TEXT, REASON_TEXT, Outcome, Reason, remedy
 from model.physics.notation import STATE_SIZE
 from model.physics.parameters import Batch, Parameters
 from model.physics.tables import described
 from model.physics.units import Units
-from model.runs.engines import Array, scalar_engine
+from model.runs.engine import Array, engine_for, run_tracked
 from model.runs.errors import estimate
 from model.runs.settings import Settings, settings_with
-
-_USUAL_TRACK = 4096  # rows; a longer trajectory is run again with enough rows
 
 
 @results_table
@@ -93,10 +89,10 @@ def simulate(
     """Run one parameter set and return its trajectory, as ``vibralign.simulate`` of any device."""
     settings = settings_with(settings, changes)
     rows = settings.rows(Batch.stack([parameters]))
-    found = estimate(scalar_engine(settings), rows, settings.tolerance, None, settings.horizon)
+    run, carrying = engine_for(settings), engine_for(settings, carries_error=True)
+    found = estimate(run, carrying, rows, settings.tolerance, settings.horizon)
     results = {name: column[0] for name, column in found.columns().items()}
-    track = np.empty((int(results["tracked"]), TRACK_COLUMNS))
-    scalar_engine(settings, track)(rows, found.tolerance)
+    track = run_tracked(rows[0], float(found.tolerance[0]), settings)[1]
     return _trajectory(parameters, results, track)
 
 
@@ -106,16 +102,10 @@ def simulate_once(parameters: Parameters, settings: Settings) -> Trajectory:
     ``sensitive`` is False. Costs a third as much; meant for statistics over many sets.
     """
     rows = settings.rows(Batch.stack([parameters]))
-    track = np.empty((_USUAL_TRACK, TRACK_COLUMNS))
-    while True:
-        run = scalar_engine(settings, track)
-        result = RunResult(*run(rows, np.array([settings.tolerance]))[0])
-        if result.tracked <= len(track):
-            break
-        track = np.empty((int(result.tracked), TRACK_COLUMNS))
+    result, track = run_tracked(rows[0], settings.tolerance, settings)
     results = {**result._asdict(), "tau_error": math.nan, "sensitive": False}
     results["insertion_error"] = math.nan
-    return _trajectory(parameters, results, track[: int(result.tracked)])
+    return _trajectory(parameters, results, track)
 
 
 def _trajectory(parameters: Parameters, results: Mapping[str, Any], track: Array) -> Trajectory:
@@ -123,7 +113,7 @@ def _trajectory(parameters: Parameters, results: Mapping[str, Any], track: Array
 
     Columns are copied, so that copies are like them in memory too: joblib's keys follow this.
     """
-    time, *columns = track.T.copy()
+    time, *columns = track[:, : 1 + len(TRACK_VARIABLES)].T.copy()
     for last in np.flatnonzero(np.diff(time) < 0.0)[::-1]:  # counted anew: see lifecycle.py
         time[: last + 1] -= time[last]
     variables = dict(zip(TRACK_VARIABLES, columns, strict=True))

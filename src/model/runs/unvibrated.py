@@ -21,7 +21,7 @@ from model.physics.approach import Start
 from model.physics.parameters import Batch, Parameters
 from model.physics.rest import rest_under_press
 from model.physics.variants import Variants
-from model.runs.engines import Array, Engine, engine_for
+from model.runs.engine import Array, engine_for
 from model.runs.settings import Settings
 
 
@@ -45,19 +45,17 @@ def unvibrated_sets(batch: Batch) -> Batch:
     return Batch({**batch.values, "frequency": still, "phase": still})
 
 
-def unvibrated(
-    batch: Batch, settings: Settings, cores: int = 1, engine: Engine | None = None
-) -> UnvibratedEnds:
+def unvibrated(batch: Batch, settings: Settings, cores: int = 1) -> UnvibratedEnds:
     """Run the sets of ``batch`` without excitation: pressed at once, or as they are lowered.
 
     Sets that differ only in their excitation are run once. ``settings`` are those of the vibrated
-    runs; within their horizon the part must come to rest. ``engine`` as in ``engine_for``.
+    runs; within their horizon the part must come to rest.
     """
     start: Start = "still" if settings.start in ("running", "still") else "simultaneous"
     settings = replace(settings, start=start, insertion_depth=None, alignment_only=True)
     controls = settings.rows(unvibrated_sets(batch))
     rows, which = np.unique(controls, axis=0, return_inverse=True)
-    run = engine_for(settings, engine, cores)
+    run = engine_for(settings, cores)
     found = RunResult(*run(rows, np.full(len(rows), settings.tolerance)).T)
     rests = (found.outcome == Outcome.SETTLED) & (found.end_on_edge == 1.0) & (found.end_tilt > 0.0)
     ends = np.where(rests, Unvibrated.RESTS, Unvibrated.LEAVES)
@@ -66,22 +64,18 @@ def unvibrated(
     return UnvibratedEnds(ends[which], np.where(rests, found.end_tilt, np.nan)[which])
 
 
-def unvibrated_results(
-    batch: Batch, settings: Settings, cores: int = 1, engine: Engine | None = None
-) -> dict[str, NDArray[Any]]:
+def unvibrated_results(batch: Batch, settings: Settings, cores: int = 1) -> dict[str, NDArray[Any]]:
     """Return the results in ``UNVIBRATED_CONTROL`` of the sets of ``batch``, each of shape (n,)."""
-    found, tilts = unvibrated(batch, settings, cores, engine), np.full(len(batch), np.nan)
+    found, tilts = unvibrated(batch, settings, cores), np.full(len(batch), np.nan)
     if settings.readings == Variants.consistent():  # physics/rest.py has no printed variants
         scene, _ = settings.for_kernels
         _rests(scene.events, batch.constants(settings.readings), tilts)
     return {"unvibrated": found.outcome, "unvibrated_tilt": found.tilt, "slow_tilt": tilts}
 
 
-def unvibrated_words(
-    parameters: Parameters, settings: Settings, engine: Engine | None = None
-) -> str:
+def unvibrated_words(parameters: Parameters, settings: Settings) -> str:
     """Return the end of the unvibrated control in a line of words."""
-    found = unvibrated_results(Batch.stack([parameters]), settings, engine=engine)
+    found = unvibrated_results(Batch.stack([parameters]), settings)
     outcome, tilt, slow = (column[0] for column in found.values())
     words = UNVIBRATED_TEXT[Unvibrated(outcome)]
     if outcome == Unvibrated.RESTS:

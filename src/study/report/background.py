@@ -5,7 +5,7 @@ from pathlib import Path
 
 from markupsafe import Markup
 
-from model.engine.scalar.tableaux import DOP853
+from model.engine.series_layout import METHOD
 from model.physics.parameters import FIELDS, OF_PAPER
 from model.physics.variants import VARIANT_NAMES
 from model.runs.settings import Settings
@@ -40,7 +40,7 @@ def section(results: Results) -> Section:
         "Some of the paper's printed equations contradict each other or mechanics. Each such place "
         "has two variants: printed takes the equation as printed, consistent corrects it. Runs end "
         f"at τ = {number(settings.horizon)} at the latest; the local error of a step is kept below "
-        f"{number(settings.tolerance)} by the method {DOP853.name}."
+        f"{number(settings.tolerance)} by the method {METHOD}."
     )
     made = (
         "When, where and at which commit each file was made: runs.csv and history/ beside this "

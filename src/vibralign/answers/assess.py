@@ -401,7 +401,8 @@ def _on_each_base(
     if isinstance(device, Parameters) or OF_BASE[0] not in cases[0]:
         return ()
     one = Batch.stack([device.parameters])
-    stiffness = on_bases(one, [device.units], cases, device.shape)["contact_stiffness"][0]
+    found = on_bases(one, [device.units], cases, device.shape, device.fixture)
+    stiffness = found["contact_stiffness"][0]
     keys = [tuple(str(case[name]) for name in OF_BASE) for case in cases]
     verdicts = []
     for key in dict.fromkeys(keys):
@@ -438,4 +439,4 @@ def impact_speed(run: Trajectory) -> float:
         point_x_rate = x_rate + tilt_rate * y
         point_y_rate = y_rate + tilt_rate * (edge - x)
         rates.append(point_x_rate * math.sin(tilt) - point_y_rate * math.cos(tilt))
-    return float(max(rates, default=0.0))
+    return float(max([0.0, *rates]))

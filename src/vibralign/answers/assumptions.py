@@ -13,7 +13,7 @@ from model.runs.settings import Settings
 from model.sweeps.settings import Ensemble
 from vibralign.answers.cases import tilts_of
 from vibralign.answers.reliability import STATISTICAL_TOLERANCE
-from vibralign.answers.si import in_words, named_words, quantity_of, si_words
+from vibralign.answers.si import in_words, named_words, si_words, written_words
 from vibralign.device import StatedDevice
 from vibralign.device.approach import SPEED
 from vibralign.device.base import USUAL_STIFFNESS
@@ -108,7 +108,9 @@ def as_attribute(words: Mapping[str, str]) -> str:
 def changes_words(stated: StatedDevice) -> str:
     """Return what replaces the values of a device's file, such as "press_force=12 N"."""
     return ", ".join(
-        f"{name}={value}" if isinstance(value, str) else named_words({name: float(str(value))})
+        f"{name}={value}"
+        if isinstance(value, str)
+        else named_words({name: float(str(value))}, stated)
         for name, value in stated.changes.items()
     )
 
@@ -194,10 +196,12 @@ def _base(parameters: Parameters, stated: StatedDevice | None) -> str:
 
 
 def _horizon(settings: Settings, units: Units | None) -> str:
-    in_units = f"{settings.horizon:.4g} units of 1/p"
-    if units is None:
-        return in_units
-    return f"{si_words(settings.horizon * units.time, TIME)} ({in_units})"
+    words = f"{settings.horizon:.4g} units of 1/p"
+    if units is not None:
+        words = f"{si_words(settings.horizon * units.time, TIME)} ({words})"
+    if settings.success is Outcome.INSERTED:
+        words += " until alignment, and as long again until insertion"
+    return words
 
 
 def _precision(settings: Settings, *, counted: bool) -> str:
@@ -216,6 +220,6 @@ def _tolerances(stated: StatedDevice, *, assumed: bool) -> str:
         sign = "±" if each.kind == "uniform" else "σ"
         width = f"{100.0 * each.width:.4g} %"
         if not each.relative:
-            width = si_words(each.width, quantity_of(name)).partition(" (")[0]
+            width = written_words(name, each.width, stated).partition(" (")[0]
         rows.append(f"{name} {sign} {width}")
     return ("none stated, so assumed: " if assumed else "as stated: ") + ", ".join(rows)

@@ -19,7 +19,13 @@ from model.physics.units import Units
 from model.sweeps.settings import Ensemble
 from model.sweeps.starts import Starts, starts_of, tilts_and_phases
 from vibralign.device.approach import SPEED, Approach
-from vibralign.device.base import MATERIALS, damping_ratio_of, hertz_stiffness, mass_at_edge
+from vibralign.device.base import (
+    MATERIALS,
+    damping_ratio_of,
+    hertz_stiffness,
+    in_series,
+    mass_at_edge,
+)
 from vibralign.device.mouth import GRIPPER_TILT, middle_of_face, start_of
 from vibralign.device.stated import StatedDevice
 
@@ -122,11 +128,16 @@ def cases_of(
 
 
 def on_bases(
-    devices: Batch, units: Sequence[Units], cases: Starts, shape: Shape
+    devices: Batch,
+    units: Sequence[Units],
+    cases: Starts,
+    shape: Shape,
+    fixture: NDArray[np.float64] | float = math.inf,
 ) -> dict[str, NDArray[np.float64]]:
     """Return contact stiffness and damping of devices in all cases, shape (devices, cases).
 
-    Dimensionless; empty if the cases have no bases.
+    Dimensionless; empty if the cases have no bases. ``fixture`` is the stiffness in N/m that is in
+    series with the bases tried, shape (devices,) or ().
     """
     if OF_BASE[0] not in cases[0]:
         return {}
@@ -135,9 +146,10 @@ def on_bases(
     radius = given["half_width"][:, 0] * [each.amplitude for each in units]
     force = given["press_force"][:, 0] * [each.force for each in units]
     stiffest = hertz_stiffness((_STEEL, _STEEL), 1.0, 1.0) * np.cbrt(radius * force)
-    stiffest = (stiffest / [each.axial_stiffness for each in units])[:, None]
+    axial = np.array([each.axial_stiffness for each in units])
+    stiffest = (stiffest / axial)[:, None]
     softest = np.minimum(SOFTEST, stiffest)
-    found = softest * (stiffest / softest) ** level
+    found = in_series(softest * (stiffest / softest) ** level, (fixture / axial)[:, None])
     stiffness = np.where(np.isnan(level), given["contact_stiffness"], found)
     ratio = np.array([math.nan if math.isnan(e) else damping_ratio_of(e) for e in restitution])
     damping = 2.0 * ratio * np.sqrt(stiffness * mass_at_edge(given, shape))

@@ -13,7 +13,7 @@ from model.physics.parameters import Shape, constants_of
 from model.runs.simulate import Trajectory
 from vibralign.answers.leeways import Nearest, steps_between
 
-_STICKS = 0.99  # share of the time
+STICKS = 0.99  # share of the time
 _SOFTER = (("tilt_stiffness", -1), ("friction", -1), ("amplitude", 1), ("press_force", 1))
 _HOLDS = (("press_force", -1), ("tilt_stiffness", 1), ("tilt_damping", 1))
 
@@ -46,12 +46,16 @@ def cause_of(run: Trajectory, shape: Shape) -> Cause:
         return _in_hole(run, tilt)
     if run.outcome in (Outcome.SETTLED, Outcome.HORIZON_REACHED):
         against = _against(run, shape)
-        if run.sticking_share >= _STICKS:
+        if run.sticking_share >= STICKS:
             place = "the rim" if shape == "round" else "the edge"
             place = place if run.state[-1, 2] >= 0.0 else "its corner"
             words = f"it hardly slips: it sticks on {place} {100.0 * run.sticking_share:.3g} % of "
             return Cause(f"{words}the time, {against}", _SOFTER)
-        come = f"it has come {100.0 * way_of(run):.2g} % of the way to the hole"
+        way = 100.0 * way_of(run)
+        come = f"it has come {way:.2g} % of the way to the hole"
+        come = (
+            come if way >= 0.0 else f"it has moved away from the hole, by {-way:.2g} % of the way"
+        )
         lifted = f"lifts off {run.separations} times" if run.separations else "never lifts off"
         words = f"it slips, {lifted}, {against}"
         if run.outcome == Outcome.SETTLED:

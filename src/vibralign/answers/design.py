@@ -3,17 +3,17 @@
 A *setting* gives each free quantity a value, with the digits that are printed. It is tried by
 devices within the tolerances around it (design_trials.py). Its *yield* is the share of devices that
 go in from every start. Its *margin* is the distance, in tolerances, of the nearest failing device
-on ``POINTS`` lines from the setting, at most ``FARTHEST``. The best setting has the largest yield,
+on ``LINES`` lines from the setting, at most ``FARTHEST``. The best setting has the largest yield,
 keeps the limits, has the largest margin in steps of ``MARGIN_STEP``, and is then the fastest.
 Differential evolution (scipy) seeks it by quick trials. The best settings are then checked as
-``assess`` does, until one holds. The search is seeded. What would help is tried as well
+``assess`` does, until one holds. The search is seeded. What limits a setting is changed, and tried
 (design_changes.py).
 """
 
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,15 +27,16 @@ from vibralign.answers.approaches import in_worst_approach
 from vibralign.answers.cases import cases_of
 from vibralign.answers.design_trials import MEASURES, Check, Row, Trials
 from vibralign.answers.reliability import Floats
-from vibralign.answers.yields import DEVICES, check_devices, interval
+from vibralign.answers.yields import check_devices, interval
 from vibralign.device import StatedDevice, Tolerance
 from vibralign.device.runs import AnyDevice, device_of
 from vibralign.device.stated import unit_of
 
 MARGIN_STEP = 0.25
-GENERATIONS, POPULATION = 12, 24  # of the search, by default
+GENERATIONS, POPULATION = 10, 16  # of the search, by default
+DEVICES = 1024  # of a check, by default; a power of two
 DIGITS = 4  # of the values of a setting, as they are printed
-CHECKS = 24  # most settings that are checked
+CHECKS = 12  # most settings that are checked
 ASSUMED = Tolerance("uniform", 0.1, relative=True)  # for a device that states no tolerance
 ASSUMED_OF = ("press_force", "tilt_stiffness", "frequency", "friction", "misalignment", "clearance")
 _GROWING = slice(2, 5)  # time, force and tilt in the results of a setting
@@ -68,15 +69,13 @@ class Tried(Value):
 
     def excess(self, limits: Mapping[str, float]) -> Floats:
         """Return the largest relative excess over a limit, <= 0 where all are kept."""
-        if not limits:
-            return np.full(self.share.size, -1.0)
         excesses = [
             np.abs(self.measures[name] - limit)
             if name == "vibration"
             else self.measures[name] / limit - 1.0
             for name, limit in limits.items()
         ]
-        return np.nan_to_num(np.max(excesses, axis=0), nan=9.0)
+        return np.nan_to_num(np.max([*excesses, np.full(self.share.size, -1.0)], axis=0), nan=9.0)
 
     def keeps(self, limits: Mapping[str, float]) -> NDArray[np.bool_]:
         """Return where every device goes in and all limits are kept."""
@@ -92,17 +91,32 @@ class Tried(Value):
         return np.where(self.keeps(limits), kept, 10.0 * (1.0 - self.share) + excess)
 
 
+class Limiting(NamedTuple):
+    """What limits a setting.
+
+    Attributes:
+        kind: "limit", "lower end" or "upper end" of a range, or "tolerance".
+        name: name of the limit or quantity.
+        passed: True if the setting exceeds it, or devices within it fail.
+    """
+
+    kind: str
+    name: str
+    passed: bool = False
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Design(Value):
     """Result of a search.
 
     Attributes:
-        tried: every setting, in the order in which they were computed; a check's results stand in
-            place of those of the quick trial.
+        tried: every setting, in the order in which they were computed; the results of a check stand
+            in place of those of its quick trial, and nothing is extrapolated.
         best: number of the recommended setting.
         limits: limits of the search.
         checks: results of the settings that were checked, by their numbers.
         free: ranges of the search.
+        tolerances: names of the quantities with tolerances.
     """
 
     tried: Tried
@@ -110,12 +124,14 @@ class Design(Value):
     limits: Mapping[str, float]
     checks: Mapping[int, Check]
     free: Mapping[str, tuple[float, float]]
+    tolerances: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         words = "recommended" if self.feasible else "none found; nearest"
         setting = ", ".join(f"{n} = {v:.4g} {unit_of(n)}" for n, v in self.setting.items())
         setting = f"{setting},".replace(" 1,", ",")[:-1]
-        return f"<Design: {words} {setting}{''.join(f'; exceeds {n}' for n in self.passed)}>"
+        exceeded = [each.name for each in self.limiting if each.passed and each.kind == "limit"]
+        return f"<Design: {words} {setting}{''.join(f'; exceeds {n}' for n in exceeded)}>"
 
     def _shown(self) -> dict[str, Any]:
         """Return the results of the recommended setting by name, SI units."""
@@ -123,7 +139,8 @@ class Design(Value):
         results = {"share": tried.share, "margin": tried.margin, **tried.measures}
         numbers = {name: float(each[best]) for name, each in results.items()}
         checked = {} if self.check is None else {"devices": self.check.devices}
-        return self.setting | numbers | checked | {"binding": ", ".join(self.binding)}
+        limiting = ", ".join(f"{kind} of {name}" for kind, name, _ in self.limiting)
+        return self.setting | numbers | checked | {"limiting": limiting}
 
     @property
     def check(self) -> Check | None:
@@ -148,51 +165,27 @@ class Design(Value):
         return interval(self.check.going_in, self.check.devices)
 
     @property
-    def front(self) -> NDArray[np.int64]:
-        """Numbers of the settings on the Pareto front of time and margin, fastest first."""
-        order = np.lexsort((-self.tried.margin, self.tried.measures["time"]))
-        front, margin = [], -1.0
-        for i in order[self.tried.keeps(self.limits)[order]]:
-            if self.tried.margin[i] > margin:
-                front.append(int(i))
-                margin = float(self.tried.margin[i])
-        return np.array(front, dtype=np.int64)
+    def limiting(self) -> list[Limiting]:
+        """What keeps the recommended setting from the limits, or from a larger margin.
 
-    @property
-    def binding(self) -> list[str]:
-        """Limits, and ends of ranges, that the recommended setting is ``NEAR`` to."""
-        ends = [f"{side} end of {name}" for name, side in self.near_ends]
-        return [*(f"limit of {name}" for name in self.near_limits), *ends]
-
-    @property
-    def passed(self) -> list[str]:
-        """Names of the limits that the recommended setting does not keep; none if none goes in."""
-        if not self.tried.share[self.best] > 0.0:
-            return []
-        return [
-            name
+        If no setting keeps the limits, these are all of them, those first that it exceeds; else the
+        limits that it is ``NEAR`` to. Then come the ends of ranges that it is ``NEAR`` to, and the
+        tolerances, if some devices fail within them, and not all.
+        """
+        share = float(self.tried.share[self.best])
+        excess = {
+            name: float(self.tried.excess({name: limit})[self.best])
             for name, limit in self.limits.items()
-            if self.tried.excess({name: limit})[self.best] > 0.0
-        ]
-
-    @property
-    def near_limits(self) -> list[str]:
-        """Names of the limits that the recommended setting is ``NEAR`` to."""
-        return [
-            name
-            for name, limit in self.limits.items()
-            if name != "vibration" and self.tried.measures[name][self.best] > (1.0 - NEAR) * limit
-        ]
-
-    @property
-    def near_ends(self) -> list[tuple[str, str]]:
-        """Names and sides of the ends of ranges that the recommended setting is ``NEAR`` to."""
-        ends = []
+        }
+        found = [Limiting("limit", name, passed=each > 0.0) for name, each in excess.items()
+                 if not self.feasible or (each > -NEAR and name != "vibration")]  # fmt: skip
+        found.sort(key=lambda each: (not each.passed, excess[each.name]))
         for name, (low, high) in self.free.items():
-            value, near = self.setting[name], NEAR * (high - low)
-            ends += [(name, "lower")] if value < low + near else []
-            ends += [(name, "upper")] if value > high - near else []
-        return ends
+            near = NEAR * (high - low) if share > 0.0 else math.inf
+            found += [Limiting("lower end", name)] if self.setting[name] < low + near else []
+            found += [Limiting("upper end", name)] if self.setting[name] > high - near else []
+        some = self.tolerances if 0.0 < share < 1.0 else ()
+        return [*found, *(Limiting("tolerance", name, passed=True) for name in some)]
 
 
 def design(
@@ -326,31 +319,22 @@ def checked(
     """
     free, limits = trials.stated.free, trials.stated.limits
     keys, quick, checks = list(known), np.array(list(known.values())), dict[int, Check]()
-    accepted = tried_of(keys, quick, free).keeps(limits)
+    accepted, rows = tried_of(keys, quick, free).keeps(limits), quick.copy()
     while True:
-        rows = _expected(keys, quick, checks, free)
-        design = Design(tried_of(keys, rows, free), 0, limits, checks, free)
+        names = tuple(trials.stated.tolerances)
+        design = Design(tried_of(keys, rows, free), 0, limits, checks, free, names)
         score, numbers = design.tried.score(limits), list(checks)
-        order = score if rank is None else np.where(score < 0.0, rank(design.tried), np.inf)
         open_ones = np.setdiff1d(np.flatnonzero(accepted), numbers)
         if numbers and (score[numbers].min() < 0.0 or not open_ones.size or len(numbers) == most):
-            best = numbers[int(np.argmin(score[numbers]))]
-            return _in_full(trials, replace(design, best=best), keys, rows)
+            return replace(design, best=numbers[int(np.argmin(score[numbers]))])
+        expected = tried_of(keys, _expected(keys, quick, checks, free), free)
+        order = expected.score(limits)
+        order = order if rank is None else np.where(order < 0.0, rank(expected), np.inf)
         among = open_ones if open_ones.size else np.arange(len(keys))
-        design = replace(design, best=int(among[np.argmin(order[among])]))
+        best = int(among[np.argmin(order[among])])
         tell(f"check {len(checks) + 1} of at most {most}")
-        checks[design.best] = trials.check(design.setting)
-
-
-def _in_full(trials: Trials, design: Design, keys: Sequence[Setting], rows: Floats) -> Design:
-    """Return a design whose recommended setting is known by all devices."""
-    devices = design.checks[design.best].devices
-    if design.feasible or not 0 < devices < trials.devices:
-        return design
-    check = trials.check(design.setting, stop=False)
-    rows[design.best] = check.row
-    checks = {**design.checks, design.best: check}
-    return replace(design, tried=tried_of(keys, rows, design.free), checks=checks)
+        checks[best] = trials.check(replace(design, best=best).setting)
+        rows[best] = checks[best].row
 
 
 def _expected(
@@ -359,7 +343,7 @@ def _expected(
     checks: Mapping[int, Check],
     free: Mapping[str, tuple[float, float]],
 ) -> Floats:
-    """Return the results of settings: of the check, or expected from those of the quick trial.
+    """Return what checks of settings are expected to find, for the choice of the next one.
 
     Times, forces and tilts grow from the quick trial to the check as at the nearest checked
     setting; near one at which devices fail as large a share fails.
@@ -370,12 +354,10 @@ def _expected(
     low, high = np.array(list(free.values())).T
     places = (np.array(keys) - low) / (high - low)
     apart = np.linalg.norm(places[:, None] - places[numbers], axis=2)
-    nearest = apart.argmin(axis=1)
+    nearest, near = apart.argmin(axis=1), apart.min(axis=1) < NEARBY
     growth = found[:, _GROWING] / quick[numbers, _GROWING]
     rows[:, _GROWING] *= np.nan_to_num(growth, nan=1.0)[nearest]
-    near = apart.min(axis=1) < NEARBY
     rows[near, 0] = np.minimum(rows[near, 0], found[nearest[near], 0])
-    rows[numbers] = found
     return rows
 
 

@@ -18,9 +18,11 @@ _NAMES = {
     "vibration": ("share of the devices within the tolerances that need the vibration", "1"),
     "share": ("share of the devices within the tolerances that go in from every start", "1"),
     "margin": ("distance of the nearest failing device, in tolerances", "1"),
+    "within": ("whether all devices go in and all limits are kept", "1"),
     "devices": ("number of devices by which the setting was checked; 0 if it was not", "1"),
     "going_in": ("number of these that go in from every start", "1"),
-    "front": ("whether the setting is on the front of time and margin", "1"),
+    "acceleration": ("acceleration that the setting takes of the vibrator", "m s-2"),
+    "stroke": ("stroke that the setting takes of the vibrator", "m"),
 }
 
 
@@ -34,12 +36,12 @@ def design_dataset(stated: StatedDevice, design: Design) -> xr.Dataset:
     for name in ("devices", "going_in"):
         counts = [getattr(design.checks.get(i), name, 0) for i in numbers]
         columns[name] = np.array(counts, dtype=np.int32)
-    columns["front"] = np.isin(numbers, design.front).astype(np.int8)
+    columns["within"] = tried.keeps(design.limits).astype(np.int8)
     variables: dict[str, Any] = {
         name: ("candidate", columns[name], {"long_name": words, "units": unit})
         for name, (words, unit) in _NAMES.items()
     }
-    variables["front"][2].update(NO_YES)
+    variables["within"][2].update(NO_YES)
     for name, values in tried.settings.items():
         attributes = {"long_name": f"setting: {name}", "units": unit_of(name)}
         variables[f"setting_{name}"] = ("candidate", values, attributes)
@@ -49,6 +51,8 @@ def design_dataset(stated: StatedDevice, design: Design) -> xr.Dataset:
         "by devices within and beyond the tolerances.",
         "free": list(stated.free),
         "recommended": design.best,
+        "feasible": int(design.feasible),
+        "limiting": [f"{kind} of {name}" for kind, name, _ in design.limiting],
         "yield_interval": design.interval,
         "yield_confidence": CONFIDENCE,
     }

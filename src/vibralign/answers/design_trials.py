@@ -1,10 +1,11 @@
 """Trials of a setting of a design: a quick one for the search, and the check that ``assess`` makes.
 
-The quick trial takes ``POINTS`` devices drawn within the tolerances, and as many lines outwards,
-each from a quarter of the starts; from device to device the quarters differ. It can accept a
-setting that fails. So a setting is checked before it is recommended, by the devices that ``assess``
-draws, from every start. One error is left, on the safe side: a good setting that the quick trial
-refuses.
+The quick trial takes the setting itself and ``POINTS`` devices drawn within the tolerances, each
+from a quarter of the starts; from device to device the quarters differ. Where all go in, devices on
+``LINES`` lines outwards are tried. It can accept a setting that fails. So a setting is checked
+before it is recommended, by the devices that ``assess`` draws, from every start. One error is left,
+on the safe side: a good setting that the quick trial refuses. A setting that exceeds a limit of the
+vibrator is not run.
 """
 
 import math
@@ -31,15 +32,17 @@ from vibralign.answers.yields import DEVICES, drawn, nearest_failing
 from vibralign.device import StatedDevice
 from vibralign.device.amounts import SIGMAS
 from vibralign.device.batches import Values
+from vibralign.device.limits import OF_VIBRATOR, of_vibrator
 from vibralign.device.stated import bound_of
 
 POINTS = 16  # devices drawn within the tolerances of a setting, a power of two
+LINES = 8  # on which the nearest failing device is sought
 QUARTERS = 4  # the quick trial takes one start of every four
 SCALES = (1.0, 2.0, 3.0)  # distances along a line that are tried, in tolerances
 FARTHEST = SCALES[-1]
 HALVINGS = 3  # a failure along a line is located to 1/8 of a tolerance
 STAGE = 64  # devices after which a check first looks whether a setting holds
-MEASURES = ("time", "contact_force", "tilt", "vibration")
+MEASURES = ("time", "contact_force", "tilt", "vibration", *OF_VIBRATOR)
 
 Ints = NDArray[np.int64]
 
@@ -117,30 +120,59 @@ class Trials:
     def quick(self, points: Floats) -> list[Row]:
         """Return the results of settings, ``points`` in SI units of shape (n, free quantities)."""
         inner, lines = self._offsets()
-        shape = len(points), len(inner)
-        centres, offsets = np.repeat(points, len(inner), axis=0), np.tile(inner, (len(points), 1))
-        values = self._values(centres, offsets)
-        results = self._run(values, np.tile(np.arange(len(inner)), len(points)))
-        goes_in = results.goes_in.reshape(shape)
-        margin = np.where(goes_in, FARTHEST, np.abs(inner).max(axis=1)).min(axis=1)
-        on_lines = goes_in[:, -len(lines) :]
-        margin = self._nearest_failure(points, lines, on_lines, margin, 1 + POINTS)
-        measures = [
-            np.fmax.reduce(each.reshape(shape), axis=1) for each in results.measures.values()
-        ]
-        share = goes_in[:, : 1 + POINTS].mean(axis=1)
-        columns = share, margin, *measures, self._needs_vibration(values, shape)
+        drive = self._of_vibrator(points)
+        may = np.logical_and.reduce(
+            [each <= self.stated.limits.get(name, math.inf) for name, each in drive.items()]
+        )
+        goes_in = np.full((len(points), len(inner)), np.nan)
+        measures = {name: np.full(len(points), np.nan) for name in MEASURES[:3]}
+        good, first = np.flatnonzero(may), 0
+        for last in (1 + POINTS // 4, len(inner)):
+            turns = np.arange(first, last)
+            values = self._values(np.repeat(points[good], last - first, axis=0),
+                                  np.tile(inner[first:last], (len(good), 1)))  # fmt: skip
+            if not good.size:
+                break
+            results = self._run(values, np.tile(turns, len(good)))
+            goes_in[good, first:last] = results.goes_in.reshape(len(good), -1)
+            for name, each in results.measures.items():
+                most = np.fmax.reduce(each.reshape(len(good), -1), axis=1)
+                measures[name][good] = np.fmax(measures[name][good], most)
+            good, first = good[np.nanmin(goes_in[good], axis=1) == 1.0], last
+        tried = ~np.isnan(goes_in)
+        share = np.where(may, np.nansum(goes_in, axis=1) / np.maximum(tried.sum(axis=1), 1), 0.0)
+        failing = np.where(goes_in == 0.0, np.abs(inner).max(axis=1), FARTHEST)
+        margin, needs = np.where(may, failing.min(axis=1), 0.0), np.full(len(points), np.nan)
+        if good.size:
+            outwards = np.full(good.size, FARTHEST)
+            margin[good] = self._nearest_failure(points[good], lines, outwards, turn=len(inner))
+            values = self._values(np.repeat(points[good], len(inner), axis=0),
+                                  np.tile(inner, (len(good), 1)))  # fmt: skip
+            needs[good] = self._needs_vibration(values, (len(good), len(inner)))
+        columns = share, margin, *measures.values(), needs, *drive.values()
         return [tuple(float(each) for each in row) for row in zip(*columns, strict=True)]
 
-    def check(self, setting: Mapping[str, float], *, stop: bool = True) -> Check:
+    def most_runs(self, settings: int) -> int:
+        """Return how many runs trials of so many settings take at most, a check and its changes."""
+        quarter = -(-len(self.starts) // QUARTERS)
+        quick = settings * (1 + POINTS + 2 * LINES) * quarter
+        return 2 * (quick + self.devices * len(self.starts))
+
+    def _of_vibrator(self, points: Floats) -> dict[str, Floats]:
+        """Return what settings take of the vibrator, shape (n,) each."""
+        own = self.stated.quantities
+        of = {n: np.full(len(points), own[n]) for n in ("amplitude", "frequency")}
+        of |= dict(zip(self.stated.free, points.T, strict=True))
+        return of_vibrator(of["amplitude"], of["frequency"])
+
+    def check(self, setting: Mapping[str, float]) -> Check:
         """Return the results of a setting (SI units by name) as ``assess`` has them.
 
-        With ``stop`` no further devices are drawn once the setting does not hold.
+        No further devices are drawn once the setting does not hold.
         """
         stated = self.stated.changed(**setting)
         values = {name: np.full(self.devices, value) for name, value in setting.items()}
         values |= drawn(stated, self.devices)
-        _keep_on_edge(stated, values)
         itself = {name: np.array([stated.quantities[name]]) for name in values}
         self.runs.take(len(self.starts))
         if not are_reliable(stated, itself, self.starts, self.settings, self.cores)[0]:
@@ -150,20 +182,24 @@ class Trials:
             last = min(max(STAGE, 4 * done), self.devices)
             some = {name: column[done:last] for name, column in values.items()}
             parts.append(self._run_from(stated, some, self.starts))
-            holds, done = not stop or bool(self._is_good(parts[-1]).all()), last
+            holds, done = bool(self._is_good(parts[-1]).all()), last
         whole = _joined(parts)
         if not whole.inside.all():  # what starts inside the hole is not counted
             whole = whole[~whole.inside]
         done = len(whole.goes_in)
         failing = nearest_failing(stated, whole, self.starts)
         if failing is None:
-            margin = self._margin_from_every_start(np.array([list(setting.values())]))
+            point, (_, lines) = np.array([list(setting.values())]), self._offsets()
+            margin = float(self._nearest_failure(point, lines, np.array([FARTHEST]))[0])
         else:
             margin = failing.distance
-        needs = float(self._needs_vibration(whole.values, (1, done))[0])
+        possible = whole[~whole.impossible].values
+        needs = float(self._needs_vibration(possible, (1, int((~whole.impossible).sum())))[0])
+        drive = self._of_vibrator(np.array([list(setting.values())]))
         going_in = int(whole.goes_in.sum())
         forces = {place: float(np.fmax.reduce(each)) for place, each in whole.forces.items()}
-        row = (going_in / done, margin, *whole.largest.values(), needs)
+        largest = *whole.largest.values(), needs, *(float(each[0]) for each in drive.values())
+        row = (going_in / done, margin, *largest)
         return Check(row, done, going_in, forces)
 
     @property
@@ -209,29 +245,17 @@ class Trials:
         shares: Floats = needs.reshape(shape).mean(axis=1)
         return shares
 
-    def _margin_from_every_start(self, point: Floats) -> float:
-        """Return the margin of a setting, shape (1, free quantities), by failures on the lines."""
-        _, lines = self._offsets()
-        values = self._values(np.repeat(point, len(lines), axis=0), lines)
-        goes_in = self._run(values, None).goes_in[None]
-        return float(self._nearest_failure(point, lines, goes_in, np.array([FARTHEST]))[0])
-
     def _nearest_failure(
-        self,
-        points: Floats,
-        lines: Floats,
-        goes_in: NDArray[np.bool_],
-        margin: Floats,
-        turn: int | None = None,
+        self, points: Floats, lines: Floats, margin: Floats, turn: int | None = None
     ) -> Floats:
         """Return the margins of settings by failures on ``lines``, at most ``margin``.
 
-        The search goes outwards until a device fails, and then halves the interval. ``goes_in``,
-        shape (n, lines), is the result at one tolerance. ``turn`` is that of the first line; None
-        for all starts.
+        The search goes outwards until a device fails, and then halves the interval. ``turn`` is
+        that of the first line; None for all starts.
         """
-        low, high = np.where(goes_in, 1.0, 0.0), np.where(goes_in, np.inf, 1.0)
-        for further in (*SCALES[1:], *[None] * HALVINGS):
+        low, high = np.zeros((2, len(points), len(lines)))
+        high += np.inf
+        for further in (*SCALES, *[None] * HALVINGS):
             open_ones = np.isinf(high) if further else np.isfinite(high)
             row, line = np.nonzero(open_ones & (low < margin[:, None]))
             if not row.size:
@@ -250,26 +274,27 @@ class Trials:
         values = {name: np.full(len(points), self.stated.quantities[name]) for name in names}
         values |= dict(zip(self.stated.free, points.T, strict=True))
         for i, (name, tolerance) in enumerate(self.stated.tolerances.items()):
-            own = values[name]
+            own, at = values[name], offsets[:, i]
             width = np.array([tolerance.end(value) for value in own.tolist()])
-            positive = bound_of(name) or name == "press_force"
-            least = 1e-3 * own if positive else -np.inf
-            values[name] = np.maximum(own + width * offsets[:, i], least)
-        _keep_on_edge(self.stated, values)
+            beyond = (np.abs(at) > 1.0) & (name not in ("clearance", "play"))
+            bounded = beyond & bool(bound_of(name) or name == "press_force")
+            values[name] = np.maximum(own + width * at, np.where(bounded, 1e-3 * own, -np.inf))
+        if "misalignment" in values:
+            values["misalignment"] = np.abs(values["misalignment"])
         return values
 
     def _offsets(self) -> tuple[Floats, Floats]:
         """Return offsets of devices from a setting, in tolerances, and directions of lines.
 
-        The devices are the setting itself, ``POINTS`` drawn ones, and the ends of as many lines.
+        The devices are the setting itself and ``POINTS`` drawn ones; there are ``LINES`` lines.
         """
         size = len(self.stated.tolerances)
         cube = stats.qmc.Sobol(size, rng=np.random.default_rng(self.seed)).random(POINTS)
         around = 2.0 * cube - 1.0
-        lines = around / np.abs(around).max(axis=1, keepdims=True)
+        lines = (around / np.abs(around).max(axis=1, keepdims=True))[:LINES]
         normal = [each.kind == "normal" for each in self.stated.tolerances.values()]
         around[:, normal] = stats.norm.ppf(cube[:, normal]) / SIGMAS
-        return np.concatenate([np.zeros((1, size)), around, lines]), lines
+        return np.concatenate([np.zeros((1, size)), around]), lines
 
 
 def _joined(parts: Sequence[DeviceResults], order: Ints | None = None) -> DeviceResults:
@@ -287,14 +312,3 @@ def _joined(parts: Sequence[DeviceResults], order: Ints | None = None) -> Device
     names = [each.name for each in fields(DeviceResults) if each.name != "times"]
     whole = DeviceResults(times=join("time")[:, None], **{name: join(name) for name in names})
     return whole if order is None else whole[order]
-
-
-def _keep_on_edge(stated: StatedDevice, values: dict[str, Floats]) -> None:
-    """Cut misalignments off at the largest with which the part starts on the edge.
-
-    With a larger one it cannot go in anyway.
-    """
-    if "misalignment" in values:
-        sizes = {n: values.get(n, stated.quantities[n]) for n in ("half_width", "clearance")}
-        most = 0.999 * sizes["half_width"] * (2.0 + sizes["clearance"])
-        values["misalignment"] = np.minimum(values["misalignment"], most)

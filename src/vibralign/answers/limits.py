@@ -10,6 +10,7 @@ from vibralign.answers.assess import Assessment
 from vibralign.answers.reliability import need_vibration
 from vibralign.answers.yields import Yield
 from vibralign.device import StatedDevice
+from vibralign.device.limits import OF_VIBRATOR, of_vibrator
 
 
 @dataclass(frozen=True)
@@ -59,14 +60,18 @@ def limit_results(
         "time": units.time * assessed.tau_worst,
         "contact_force": units.force * assessed.contact_force_max,
         "tilt": assessed.tilt_max,
+        **of_vibrator(units.amplitude, stated.quantities["frequency"]),
     }
     if "vibration" in stated.limits:
         own = {"friction": np.array([stated.quantities["friction"]])}
         itself["vibration"] = float(need_vibration(stated, own, settings)[0])
-    largest = None if drawn is None else drawn.largest
+
+    def largest(name: str) -> float | None:
+        if drawn is None or name in OF_VIBRATOR:
+            return None
+        return drawn.largest.get(name, math.nan)
+
     return tuple(
-        LimitResult(
-            name, limit, itself[name], None if largest is None else largest.get(name, math.nan)
-        )
+        LimitResult(name, limit, itself[name], largest(name))
         for name, limit in stated.limits.items()
     )

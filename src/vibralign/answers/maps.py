@@ -141,6 +141,9 @@ def map_of(
         )
     parameters = device.parameters if isinstance(device, StatedDevice) else device
     check_plane(stated.at if stated else lambda values: parameters.replace(**values), x, y)
+    for each in corners_of({axis.parameter: [*axis.values] for axis in axes}):
+        if stated is not None:
+            stated.warn(each)
     every = max(min(ensemble.every, (min(x.count, y.count) - 1) // _SPACES), 1)
     own = {x.parameter, y.parameter} & {"phase", "initial_tilt"}
     if stated is not None and stated.is_chamfered:

@@ -29,7 +29,7 @@ from vibralign.device.amounts import read_amount
 from vibralign.device.batches import Values, by_settings, devices_of, rows_of
 from vibralign.device.mouth import judged
 from vibralign.device.runs import AnyDevice, devices_in
-from vibralign.device.stated import check_quantity, unit_of
+from vibralign.device.stated import bound_of, check_quantity, unit_of
 
 Floats = NDArray[np.float64]
 STATISTICAL_TOLERANCE = 1e-6  # local error of a step; yields are the same as at 1e-10
@@ -53,6 +53,8 @@ class DeviceResults(Value):
         forces: largest contact force in N by the place, each of shape (n,).
         inside: True if the part starts inside the hole, shape (n,).
         insertion: longest time until inserted in s, NaN as ``time`` or without, shape (n,).
+        impossible: True if there is no such device (no play, a negative friction …): it does not go
+            in, and has no numbers, shape (n,).
     """
 
     values: Values
@@ -65,6 +67,7 @@ class DeviceResults(Value):
     forces: Mapping[str, Floats]
     inside: NDArray[np.bool_]
     insertion: Floats
+    impossible: NDArray[np.bool_]
 
     def __getitem__(self, rows: Any) -> "DeviceResults":
         """Return the results of some devices, or of all in another order."""
@@ -104,7 +107,8 @@ def from_every_start(
     devices, units = devices_of(device, values)
     if isinstance(device, Parameters):
         return every_start(devices, starts, settings, cores), units
-    of_cases = on_bases(devices, units, starts, device.shape) | at_tilts(devices, starts)
+    fixture = values.get("fixture_stiffness", device.fixture)
+    of_cases = on_bases(devices, units, starts, device.shape, fixture) | at_tilts(devices, starts)
     results = dict[str, NDArray[Any]]()
     for own, rows in by_settings(device, settings, units).items():
         others = {name: column[rows] for name, column in of_cases.items()}
@@ -134,10 +138,13 @@ def run_devices(
     stated: StatedDevice, values: Values, starts: Starts, settings: Settings, cores: int = 1
 ) -> DeviceResults:
     """Run devices with these quantities (SI units, each of shape (n,)) from every start."""
-    results, units = from_every_start(stated, values, starts, settings, cores)
-    goes_in, at_once = results["goes_in"], results["tau_align"] == 0.0
+    impossible = ~can_be(stated, values)
+    possible = {n: np.where(impossible, stated.quantities[n], v) for n, v in values.items()}
+    results, units = from_every_start(stated, possible, starts, settings, cores)
+    goes_in = results["goes_in"] & ~impossible[:, None]
+    at_once = (results["tau_align"] == 0.0) & ~impossible[:, None]
     second = np.array([each.time for each in units])
-    newton = np.array([each.force for each in units])
+    newton = np.where(impossible, np.nan, np.array([each.force for each in units]))
     counted = goes_in & ~at_once
     times = np.where(counted, results["tau_align"], np.nan) * second[:, None]
     inserted = np.where(counted, results["tau_align"] + results["tau_inserted"], np.nan)
@@ -147,12 +154,27 @@ def run_devices(
         time=np.fmax.reduce(times, axis=1),
         times=times,
         force=newton * np.fmax.reduce(results["contact_force_max"], axis=1),
-        tilt=np.fmax.reduce(results["tilt_max"], axis=1),
+        tilt=np.where(impossible, np.nan, np.fmax.reduce(results["tilt_max"], axis=1)),
         failing=np.where(goes_in.all(axis=1), -1, np.argmin(goes_in, axis=1)),
         forces={n: newton * np.fmax.reduce(results[r], axis=1) for n, r in FORCES.items()},
         inside=np.logical_and.reduce(at_once, axis=1),
         insertion=np.fmax.reduce(inserted, axis=1) * second,
+        impossible=impossible,
     )
+
+
+def can_be(stated: StatedDevice, values: Values) -> NDArray[np.bool_]:
+    """Return where there is a device with these quantities, shape (n,): with play, at the hole."""
+    given: dict[str, Any] = {**stated.values, **stated.quantities, **values}
+    admitted = np.ones(len(next(iter(values.values()))), np.bool_)
+    for name, column in values.items():
+        bound = "> 0" if name == "press_force" else bound_of(name)
+        if bound:
+            admitted &= (column > 0.0) if bound == "> 0" else (column >= 0.0)
+        if name == "restitution":
+            admitted &= column <= 1.0
+    beyond = given["half_width"] * (2.0 + given["clearance"])
+    return admitted & (given["misalignment"] < beyond)
 
 
 def need_vibration(

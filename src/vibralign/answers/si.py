@@ -8,10 +8,13 @@ import numpy as np
 
 from model.physics.parameters import FIELDS, Parameters
 from model.physics.quantities import (
+    ACCELERATION,
     ANGLE,
     FORCE,
     FREQUENCY,
+    INERTIA,
     LENGTH,
+    MASS,
     PLAIN,
     SPEED,
     STIFFNESS,
@@ -19,15 +22,22 @@ from model.physics.quantities import (
     Quantity,
 )
 from model.physics.units import Units
-from vibralign.device import stated
+from vibralign.device import StatedDevice
 from vibralign.device.holder import natural_frequencies
+from vibralign.device.stated import quantity_of as quantity_in_file
 
 if TYPE_CHECKING:
     import xarray as xr
 
 # Unit and its size in SI units: for values below 1, and for values from that size on.
-_SMALL = {LENGTH: ("mm", 1e-3), TIME: ("ms", 1e-3), SPEED: ("mm/s", 1e-3)}
-_LARGE = {STIFFNESS: [("GN/m", 1e9), ("MN/m", 1e6), ("kN/m", 1e3)], FORCE: [("kN", 1e3)]}
+_SMALL = {
+    LENGTH: ("mm", 1e-3), TIME: ("ms", 1e-3), SPEED: ("mm/s", 1e-3), MASS: ("g", 1e-3),
+    INERTIA: ("kg mm²", 1e-6),
+}  # fmt: skip
+_LARGE = {
+    STIFFNESS: [("GN/m", 1e9), ("MN/m", 1e6), ("kN/m", 1e3)], FORCE: [("kN", 1e3)],
+    ACCELERATION: [("g", 9.80665)],
+}  # fmt: skip
 _MICRO, _FINE = ("µm", 1e-6), 1e-4  # in drawings: of lengths that are all below 0.1 mm
 _SHOWN = {each.unit: each for each in (LENGTH, TIME, SPEED, STIFFNESS, FORCE)}
 DIGITS = 4
@@ -35,7 +45,7 @@ DIGITS = 4
 
 def quantity_of(name: str) -> Quantity:
     """Return the quantity of a number of a device."""
-    return FIELDS[name].quantity if name in FIELDS else stated.quantity_of(name)[1]
+    return FIELDS[name].quantity if name in FIELDS else quantity_in_file(name)[1]
 
 
 def scale(units: Units | None, quantity: Quantity) -> float:
@@ -74,9 +84,17 @@ def si_words(value: float, quantity: Quantity) -> str:
     return f"{text} ({degrees:.{places}f}°)" if quantity == ANGLE else text
 
 
-def named_words(values: Mapping[str, float]) -> str:
-    """Return a device's quantities in SI units by name, such as "press_force = 10 N"."""
-    return ", ".join(f"{name} = {si_words(v, quantity_of(name))}" for name, v in values.items())
+def written_words(
+    name: str, value: float, stated: StatedDevice | None = None, digits: int = DIGITS
+) -> str:
+    """Return a quantity of a device in the unit in which it is stated, else as ``si_words``."""
+    unit, one = stated.written.get(name, ("", 1.0)) if stated else ("", 1.0)
+    return f"{value / one:.{digits}g} {unit}" if unit else si_words(value, quantity_of(name))
+
+
+def named_words(values: Mapping[str, float], stated: StatedDevice | None = None) -> str:
+    """Return quantities of a device by name, as ``written_words``: "press_force = 10 N"."""
+    return ", ".join(f"{name} = {written_words(name, v, stated)}" for name, v in values.items())
 
 
 def natural_record(parameters: Parameters, units: Units | None) -> dict[str, Any]:

@@ -8,10 +8,8 @@ of a bootstrap.
 """
 
 import math
-import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -25,30 +23,30 @@ from model.sweeps.starts import Starts
 from vibralign.answers.approaches import in_worst_approach
 from vibralign.answers.cases import cases_of, stated_case
 from vibralign.answers.reliability import DeviceResults, Floats, need_vibration, run_devices
-from vibralign.device import StatedDevice, Tolerance, load_device
-from vibralign.device.stated import bound_of
+from vibralign.device import StatedDevice, Tolerance
+from vibralign.device.runs import AnyDevice, device_of
 
 CONFIDENCE = 0.95
 QUANTILES = (0.05, 0.5, 0.95)
 DEVICES = 4096  # a power of two
+DIGITS = 6  # of the values of a drawn device
 INDEX_POINTS = 256  # points of the Sobol' indices, a power of two
 INDEX_STARTS = 4  # the indices take every fourth start
+WIDEST = 0.6  # interval of an index that is known
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SobolIndices(Value):
-    """Sobol' indices of one quantity, of first order and total: of failure, and of time.
+    """Total Sobol' indices of one quantity: of failure, and of time; at most 1.
 
-    NaN where there is no variance: no device fails, or all do. ``intervals`` holds the ends of the
-    interval of each, in this order.
+    The share of the variance in which the quantity has a part, alone or with others. NaN where
+    there is no variance: no device fails, or all do; or where the interval is wider than
+    ``WIDEST``: not known.
     """
 
     quantity: str
     failure: float
-    failure_total: float
     time: float
-    time_total: float
-    intervals: tuple[tuple[float, float], ...] = ((math.nan, math.nan),) * 4
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -65,6 +63,8 @@ class Yield(Value):
         sobol_indices: of every quantity with a tolerance, the largest total index of failure first;
             empty if no device goes in.
         inside: number of devices drawn that start inside the hole, which are not counted.
+        impossible: number of devices drawn that cannot be (no play, a negative friction …), which
+            are counted as not going in.
         forces: largest contact force of these devices by the place.
         insertion: 5, 50 and 95 % quantiles over these of the longest time until inserted.
         confidence: level of confidence of the intervals.
@@ -85,6 +85,7 @@ class Yield(Value):
     insertion: tuple[float, float, float] = (math.nan,) * 3
     confidence: float = CONFIDENCE
     largest: Mapping[str, float] = field(default_factory=dict)
+    impossible: int = 0
 
     def __repr__(self) -> str:
         ends = f"{100.0 * self.low:.4g} to {100.0 * self.high:.4g} %"
@@ -112,24 +113,28 @@ class FailingDevice:
     start: Mapping[str, float]
 
 
-def distribution(name: str, value: float, tolerance: Tolerance) -> Any:
-    """Return the scipy distribution of a quantity in SI units, cut off at its admissible values."""
-    least = {"> 0": 1e-6 * abs(value), ">= 0": 0.0, "": -math.inf}[bound_of(name)]
-    most = 1.0 if name == "restitution" else math.inf
+def distribution(value: float, tolerance: Tolerance) -> Any:
+    """Return the scipy distribution of a quantity in SI units."""
     width = tolerance.around(value)
     if tolerance.kind == "uniform":
-        low, high = max(value - width, least), min(value + width, most)
-        return scipy.stats.uniform(low, high - low)
-    ends = (least - value) / width, (most - value) / width
-    return scipy.stats.truncnorm(*ends, loc=value, scale=width)
+        return scipy.stats.uniform(value - width, 2.0 * width)
+    return scipy.stats.norm(value, width)
 
 
 def from_unit_cube(stated: StatedDevice, points: Floats) -> dict[str, Floats]:
-    """Return the quantities with tolerances at ``points`` of the unit cube, shape (n, d)."""
-    return {
-        name: np.asarray(distribution(name, stated.quantities[name], tolerance).ppf(column))
-        for (name, tolerance), column in zip(stated.tolerances.items(), points.T, strict=True)
-    }
+    """Return the quantities with tolerances at ``points`` of the unit cube, shape (n, d).
+
+    They have ``DIGITS`` digits in the unit in which they are stated, as they are printed. Of a
+    misalignment < 0 the other side is taken, which is alike.
+    """
+    found = {}
+    for (name, tolerance), column in zip(stated.tolerances.items(), points.T, strict=True):
+        _, one = stated.written.get(name, ("", 1.0))
+        values = np.asarray(distribution(stated.quantities[name], tolerance).ppf(column)) / one
+        found[name] = np.array([float(f"{each:.{DIGITS}g}") * one for each in values.tolist()])
+    if "misalignment" in found:
+        found["misalignment"] = np.abs(found["misalignment"])
+    return found
 
 
 def drawn(stated: StatedDevice, count: int, seed: int = 0) -> dict[str, Floats]:
@@ -150,7 +155,7 @@ def check_devices(count: float) -> int:
 
 
 def yield_of(
-    stated: StatedDevice | Path | str,
+    stated: AnyDevice,
     starts: Starts | None = None,
     settings: Settings | None = None,
     cores: int = 1,
@@ -168,8 +173,10 @@ def yield_of(
     Raises:
         ValueError: a device without tolerances, or a number that is no power of two.
     """
-    if not isinstance(stated, StatedDevice):
-        stated = load_device(stated)
+    device = device_of(stated)
+    if not isinstance(device, StatedDevice):
+        raise TypeError("a yield needs a device of a file, with tolerances, got Parameters")
+    stated = device
     settings = settings or Settings(scene=INSERTION)
     if starts is None:
         stated = in_worst_approach(stated, settings, Ensemble(), cores)
@@ -185,13 +192,14 @@ def yield_of(
     low, high = interval(going_in, counted)
     largest = results.largest
     if "vibration" in stated.limits and counted:
-        needs = need_vibration(stated, results.values, settings, cores)
+        possible = results[~results.impossible].values
+        needs = need_vibration(stated, possible, settings, cores)
         largest["vibration"] = float(needs.mean())
     sobol: tuple[SobolIndices, ...] = ()
     if indices and going_in:
         some = starts[::INDEX_STARTS]
         sobol = sobol_indices_of(stated, some, settings, cores, seed=seed)
-        runs += INDEX_POINTS * (len(stated.tolerances) + 2) * len(some)
+        runs += INDEX_POINTS * (len(stated.tolerances) + 1) * len(some)
     result = Yield(
         devices=counted,
         going_in=going_in,
@@ -202,9 +210,13 @@ def yield_of(
         runs=runs,
         sobol_indices=sobol,
         inside=inside,
-        forces={place: float(each.max(initial=0.0)) for place, each in results.forces.items()},
+        forces={
+            place: float(np.fmax.reduce(each, initial=0.0))
+            for place, each in results.forces.items()
+        },
         insertion=_quantiles(results.insertion),
         largest=largest,
+        impossible=int(results.impossible.sum()),
     )
     return result, results
 
@@ -212,7 +224,11 @@ def yield_of(
 def nearest_failing(
     stated: StatedDevice, results: DeviceResults, starts: Starts
 ) -> FailingDevice | None:
-    """Return the failing device that is nearest to the stated values, None if none fails."""
+    """Return the failing device that is nearest to the stated values, None if none fails.
+
+    Those that cannot be are left out.
+    """
+    results = results[~results.impossible]
     if results.goes_in.all():
         return None
     distance = np.stack([
@@ -249,48 +265,38 @@ def sobol_indices_of(
     usual = float(results.time[known].mean()) if known.any() else 0.0
     time: Floats = np.where(known, results.time, usual)
     fails = np.where(results.goes_in, 0.0, 1.0)
-    columns = np.concatenate(
-        [sobol_indices(each.reshape(size + 2, INDEX_POINTS)) for each in (fails, time)]
-    )
-    indices = []
-    for name, column in zip(names, columns.swapaxes(0, 1), strict=True):
-        failure, failure_total, time_first, time_total = map(float, column[:, 0])
-        ends = tuple((float(low), float(high)) for low, high in column[:, 1:])
-        indices.append(SobolIndices(name, failure, failure_total, time_first, time_total, ends))
+    columns = (total_indices(each.reshape(size + 1, INDEX_POINTS)) for each in (fails, time))
+    indices = [SobolIndices(*each) for each in zip(names, *columns, strict=True)]
 
     def largest_first(each: SobolIndices) -> tuple[float, float]:
-        return -np.nan_to_num(each.failure_total), -np.nan_to_num(each.time_total)
+        return -np.nan_to_num(each.failure), -np.nan_to_num(each.time)
 
     return tuple(sorted(indices, key=largest_first))
 
 
 def sobol_cubes(size: int, count: int, seed: int) -> Floats:
-    """Return the points of Saltelli's scheme A, B, AB_1, …, AB_d, shape (d + 2, count, d)."""
+    """Return the points A, AB_1, …, AB_d of Saltelli's scheme, shape (d + 1, count, d)."""
     both = scipy.stats.qmc.Sobol(2 * size, rng=np.random.default_rng(seed)).random(count)
     a, b = both[:, :size], both[:, size:]
     mixed = [np.where(np.arange(size) == i, b, a) for i in range(size)]
-    return np.stack([a, b, *mixed])
+    return np.stack([a, *mixed])
 
 
-def sobol_indices(f: Floats) -> Floats:
-    """Return first-order and total Sobol' indices and their intervals, NaN without variance.
+def total_indices(f: Floats) -> list[float]:
+    """Return total Sobol' indices by Jansen's estimate, NaN without variance or if not known.
 
-    ``f``, shape (d + 2, n), holds the values of a function on ``sobol_cubes``. The result, shape
-    (2, d, 3), holds of each the index and the ends of its interval.
+    ``f``, shape (d + 1, n), holds the values of a function on ``sobol_cubes``. The interval of an
+    index is that of the mean of n squares (M. J. W. Jansen, Computer Physics Communications 117,
+    1999, 35).
     """
-    if np.ptp(f[:2]) == 0.0:
-        return np.full((2, len(f) - 2, 3), np.nan)
-    if len(f) == 3:  # one quantity, which scipy refuses
-        return np.ones((2, 1, 3))
-    values = {"f_A": f[None, 0], "f_B": f[None, 1], "f_AB": f[2:, None]}
-    indices = scipy.stats.sobol_indices(func=values, n=f.shape[1], rng=np.random.default_rng(0))
-    with np.errstate(all="ignore"), warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of quantities without effect, whose interval is a point
-        spread = indices.bootstrap(confidence_level=CONFIDENCE)
-    both = (indices.first_order, spread.first_order), (indices.total_order, spread.total_order)
-    rows = [(index, *each.confidence_interval) for index, each in both]
-    found = np.array([[np.ravel(column) for column in row] for row in rows]).swapaxes(1, 2)
-    return np.where(np.isnan(found), found[..., :1], found)
+    variance = float(f.var())
+    if variance == 0.0:
+        return [math.nan] * (len(f) - 1)
+    squares = 0.5 * (f[1:] - f[0]) ** 2 / variance
+    wide = 2.0 * scipy.stats.norm.ppf(0.5 + 0.5 * CONFIDENCE) / math.sqrt(f.shape[1])
+    known = wide * squares.std(axis=1) <= WIDEST
+    found: list[float] = np.where(known, np.minimum(squares.mean(axis=1), 1.0), np.nan).tolist()
+    return found
 
 
 def _quantiles(values: Floats) -> tuple[float, float, float]:

@@ -21,7 +21,7 @@ from model.physics.variants import VARIANT_NAMES, Variant, Variants
 from model.runs.settings import SCENES, Settings
 from vibralign.commands.tables import in_columns
 from vibralign.device import StatedDevice, load_device
-from vibralign.device.amounts import read_amount
+from vibralign.device.amounts import read_positive
 from vibralign.device.approach import read_start
 from vibralign.device.mouth import MOUTH
 from vibralign.device.paper import baseline
@@ -69,7 +69,8 @@ def add_model_options(
     words = "depth at which a part counts as inserted, in metres with --device; needs --scene "
     words += "insertion (default: half of what the press reaches, and at most the half-width)"
     add("--insertion-depth", metavar="DEPTH", help=words)
-    words = "latest time, in seconds with --device, else in units of 1/p (default: 300/p)"
+    words = "latest time until alignment, and as long again until insertion; in seconds with "
+    words += "--device, else in units of 1/p (default: 300/p)"
     add("--horizon", metavar="H", help=words)
     add("--tolerance", metavar="T", help="local error of a step (default: 1e-10)")
 
@@ -149,12 +150,11 @@ def _stated_device(arguments: argparse.Namespace) -> StatedDevice | None:
     stated = load_device(arguments.device, pairs(arguments.changes, "--set"))
     for name, quantity in (("horizon", TIME), ("insertion_depth", LENGTH)):
         if (text := getattr(arguments, name)) is not None:
-            value = read_amount(name, text, quantity.unit).value
+            value = read_positive(name, text, quantity.unit)
             stated = replace(stated, **{name: value})  # type: ignore[arg-type]
     if arguments.shape is not None:
         stated = replace(stated, stated_shape=arguments.shape)
-    for doubt in stated.doubts:
-        print(f"vibralign: warning: {arguments.device}: {doubt}", file=sys.stderr)
+    stated.warn()
     return stated
 
 
@@ -184,6 +184,10 @@ def _settings(arguments: argparse.Namespace, stated: StatedDevice | None) -> Set
     horizon, tolerance, depth = Settings.horizon, Settings.tolerance, None
     if arguments.horizon is not None and stated is None:
         horizon = number("horizon", arguments.horizon)
+    if arguments.insertion_depth is not None and arguments.scene != "insertion":
+        raise ValueError(
+            f"insertion_depth = {arguments.insertion_depth!r}: needs --scene insertion"
+        )
     if arguments.insertion_depth is not None and stated is None:
         depth = number("insertion_depth", arguments.insertion_depth)
     if arguments.tolerance is not None:

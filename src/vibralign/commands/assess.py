@@ -31,7 +31,7 @@ from vibralign.commands.simulate import unvibrated_record
 from vibralign.commands.tables import in_columns, print_json
 from vibralign.commands.tables import report_line as _line
 from vibralign.commands.yields import yield_record, yield_report, yield_words
-from vibralign.device.plausibility import NoNeedError
+from vibralign.device.plausibility import DISTRUSTED, NoNeedError
 
 if TYPE_CHECKING:
     from model.runs.settings import Settings
@@ -113,6 +113,8 @@ def _assess(arguments: argparse.Namespace) -> int:
             f"worst of {len(result.bases)} that are tried, this one first: " + (assumed["base"])
         )
     verdict = headline(result, drawn, limits)
+    if stated is not None and any(DISTRUSTED in each for each in stated.doubts):
+        verdict += f"; {DISTRUSTED}: the base is soft"
     if arguments.json:
         print_json(
             _record(result, given.units)
@@ -136,8 +138,10 @@ def _assess(arguments: argparse.Namespace) -> int:
     if drawn is not None and stated is not None:
         words = ""
         if required is not None:
+            faults = ["the yield is too low"] if drawn.low < required else []
+            faults += [] if kept else ["a limit is exceeded"]
             words = f"{100.0 * required:.4g} %: {'met' if met else 'not met'}"
-            words += "" if kept else ", as a limit is exceeded"
+            words += f", as {' and '.join(faults)}" if faults else ""
         groups["Yield"] = yield_report(result, drawn, nearest, stated, words, settings)
     groups["Assumptions"] = lines_of(assumed)
     head = [_line("device", source), _line("verdict", verdict)]
@@ -381,8 +385,10 @@ def _nearest_row(nearest: "Nearest", words: Callable[[str, float], str]) -> tupl
 def _value(parameter: str, value: float, stated: "StatedDevice | None", units: Units | None) -> str:
     """Return a value of a device in words; with --dimensionless, without ``units``, in its own."""
     quantity = si.quantity_of(parameter)
-    if stated is None or units is not None:
-        return si.si_words(value, quantity) if stated else si.in_words(value, quantity, None)
+    if stated is not None and units is not None:
+        return si.written_words(parameter, value, stated)
+    if stated is None:
+        return si.in_words(value, quantity, None)
     return si.in_words(value / stated.units.of(quantity), quantity, None)
 
 

@@ -3,10 +3,13 @@
 import argparse
 import os
 import sys
-from collections.abc import Callable, Mapping
+import time
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from model.sweeps.settings import Ensemble
 from vibralign.answers.assumptions import as_attribute, assumptions_with, lines_of
@@ -20,9 +23,8 @@ from vibralign.commands.arguments import (
 from vibralign.commands.design_words import (
     Answer,
     Changes,
-    change_line,
-    last_lines,
-    proposal_words,
+    limiting_lines,
+    nothing_found,
     record,
     report,
     so_far,
@@ -39,6 +41,8 @@ if TYPE_CHECKING:
     from vibralign.answers.design_changes import Change
     from vibralign.answers.design_trials import Trials
 
+_USUAL = {"generations": 10, "population": 16, "seed": 0, "devices": 1024}  # those of design
+
 
 def add(commands: Any) -> None:
     """Add the command to the parsers of ``vibralign``."""
@@ -49,25 +53,27 @@ def add(commands: Any) -> None:
         "choose the free quantities of a device for the largest margin, then time",
         ". The device file names what is free (free: {press_force: 5 to 20 N}) and the limits "
         "(limits: {contact_force: 60 N, time: 0.2 s, tilt: 10 deg, vibration: needed}, or not "
-        "needed; time and tilt until alignment, the force until inserted). Each setting is tried "
-        "quickly, by devices within one, two and three times the tolerances. Of the settings with "
+        "needed; time and tilt until alignment, the force until inserted; acceleration: 10 g and "
+        "stroke: 2 mm of the vibrator). Each setting is tried quickly. Of the settings with "
         "which all devices within the tolerances go in, the best is the one whose nearest failure "
         "is farthest, then the fastest. It is checked as `vibralign assess` checks it; if it does "
-        "not hold, the next best is. This is printed and written. Then what binds is widened, and "
-        "tried with as many runs as the search took; an interrupt ends this part only. One before "
-        "prints the best setting so far, not checked, and writes nothing.",
+        "not hold, the next best is. What limits it is then changed and tried, with as many runs "
+        "again at most; an interrupt ends this part only. Interrupting the search prints the best "
+        "setting found so far, not checked, and writes nothing.",
         epilog="exit code: 0 a setting keeps the limits; 1 none of those tried does; 2 bad input",
     )
     add_model_options(parser, scene="insertion")
     add = parser.add_argument
     words = "netCDF file with every setting tried; an old one is replaced"
     add("--out", type=Path, metavar="FILE", help=words)
-    add("--plot", type=Path, metavar="FILE", help="draw time against margin into FILE")
-    add("--generations", default="12", metavar="N", help="of the search (default: 12)")
-    add("--population", default="24", metavar="N", help="settings a generation (default: 24)")
-    add("--seed", default="0", metavar="N", help="of the search (default: 0)")
-    words = "devices by which the recommended setting is checked, a power of two (default: 4096)"
-    add("--devices", metavar="N", default="4096", help=words)
+    add("--plot", type=Path, metavar="FILE", help="draw the settings tried into FILE")
+    for name, words in (
+        ("generations", "of the search"), ("population", "settings a generation"),
+        ("seed", "of the search"),
+        ("devices", "devices by which a setting is checked, a power of two"),
+    ):  # fmt: skip
+        usual = str(_USUAL[name])
+        add(f"--{name}", default=usual, metavar="N", help=f"{words} (default: {usual})")
     add_json(parser)
 
 
@@ -93,6 +99,7 @@ def _design(arguments: argparse.Namespace) -> int:
     announce_compilation()
     known: Known = {}
     try:
+        print(f"vibralign: {_forecast(trials, generations, population)}", file=sys.stderr)
         with ProgressLine() as line:
             design, _ = search(trials, generations, population, line.begin, known)
             line.begin("recommended setting, as assess has it")
@@ -105,45 +112,56 @@ def _design(arguments: argparse.Namespace) -> int:
         tolerances_assumed=trials.stated is not given.stated,
     )  # fmt: skip
     if not arguments.json:
-        print("\n".join([*report(answer), *lines_of(assumed)]), flush=True)
+        print("\n".join(report(answer)), flush=True)
     _write(arguments, design, trials.stated, assumed)
+    changes = _try_changes(answer, known)
     if arguments.json:
-        changes = _try_changes(answer, known, lambda _: None)
         print_json(record(answer, changes) | {"assumptions": assumed})
     else:
-
-        def tell(change: "Change") -> None:
-            if words := change_line(design, change):
-                print(words, flush=True)
-
-        for words in last_lines(_try_changes(answer, known, tell)):
-            print(words)
+        print("\n".join([*limiting_lines(answer, changes), *lines_of(assumed)]))
     return int(not design.feasible)
 
 
-def _try_changes(answer: Answer, known: "Known", tell: "Callable[[Change], None]") -> Changes:
-    """Try the changes that may help, until as many runs are taken as by the search.
+def _forecast(trials: "Trials", generations: int, population: int) -> str:
+    """Return how many runs a search takes at most, and how long by the time of a few."""
+    from vibralign.answers.design_trials import Runs  # noqa: PLC0415  (as in _design)
 
-    An interrupt ends it too; what was tried is kept. ``tell`` is called after each change.
+    few = replace(trials, runs=Runs())
+    middle = np.array([[0.5 * sum(ends) for ends in trials.stated.free.values()]])
+    few.quick(middle)  # compiled, or read from the cache
+    began, before = time.perf_counter(), few.runs.taken
+    few.quick(middle)
+    rate = max((few.runs.taken - before) / max(time.perf_counter() - began, 1e-3), 1.0)
+    most = trials.most_runs(population * (generations + 1))
+    minutes = most / rate / 60.0
+    words = f"some {minutes:.0f} minutes" if minutes >= 1.0 else "less than a minute"
+    return (
+        f"at most {most:,} runs, {words} at the {rate:,.0f} runs a second of the first ones here; "
+        "fewer with --population, --generations and --devices, or a stated base"
+    )
+
+
+def _try_changes(answer: Answer, known: "Known") -> Changes:
+    """Change what limits the setting, until as many runs are taken as by the search.
+
+    An interrupt ends it too; what was tried is kept.
     """
-    from vibralign.answers.design_changes import attempted, proposed  # noqa: PLC0415  (as in _design)
+    from vibralign.answers.design_changes import attempted  # noqa: PLC0415  (as in _design)
     from vibralign.answers.design_trials import Runs, SpentError  # noqa: PLC0415
 
     design, trials = answer.design, answer.trials
-    proposals, changes = proposed(design, trials.stated.tolerances), list["Change"]()
+    limiting, changes = design.limiting, list["Change"]()
     some, number = replace(trials, runs=Runs(trials.runs.taken)), 0
     try:
-        for number, each in enumerate(proposals):
+        for number, each in enumerate(limiting):
             with ProgressLine() as line:
-                line.begin(f"change {number + 1} of {len(proposals)}: {proposal_words(each)}")
+                line.begin(f"change {number + 1} of {len(limiting)}: {each.kind} of {each.name}")
                 change = attempted(some, design, known, each)
-            if change is not None:
-                changes.append(change)
-                tell(change)
+            changes += [] if change is None else [change]
     except SpentError:
-        return Changes(changes, proposals[number:], "no runs left: as many as the search took")
+        return Changes(changes, limiting[number:], "no runs left: as many as the search took")
     except KeyboardInterrupt:
-        return Changes(changes, proposals[number:], "interrupted; all else is complete")
+        return Changes(changes, limiting[number:], "interrupted; all else is complete")
     return Changes(changes)
 
 
@@ -172,16 +190,17 @@ def _write(
     from vibralign.answers.design_files import design_dataset  # noqa: PLC0415  (as in _design)
 
     dataset = design_dataset(stated, design).assign_attrs(assumptions=as_attribute(assumed))
+    why = "" if design.feasible else nothing_found(design)
     with writing():
         if arguments.out is not None:
             from model.sweeps.io import write_dataset  # noqa: PLC0415
 
             write_dataset(dataset, arguments.out)
         if arguments.plot is not None:
-            from vibralign.plots.curves import draw_front  # noqa: PLC0415
+            from vibralign.plots.curves import draw_settings  # noqa: PLC0415
             from vibralign.plots.style import write  # noqa: PLC0415
 
-            write(draw_front(dataset), arguments.plot)
+            write(draw_settings(dataset, why), arguments.plot)
 
 
 def _count(name: str, text: str, least: int) -> int:

@@ -15,7 +15,7 @@ from vibralign.commands.arguments import add_model_options, pairs, read_inputs, 
 from vibralign.commands.files import check_file, writing
 from vibralign.commands.program import add_command
 from vibralign.device import StatedDevice
-from vibralign.device.base import SOURCES
+from vibralign.device.instead import SOURCES
 
 
 def add(commands: Any) -> None:
@@ -49,7 +49,7 @@ def _explore(arguments: argparse.Namespace) -> int:
             "vibralign simulate --animate"
         )
     # Imported here: a second that only this command needs.
-    from model.runs.in_browser import are_cached, modules  # noqa: PLC0415
+    from model.runs.in_browser import is_cached, module_for  # noqa: PLC0415
     from vibralign.explorer.content import device_model  # noqa: PLC0415
     from vibralign.explorer.page import build_page  # noqa: PLC0415
 
@@ -57,16 +57,16 @@ def _explore(arguments: argparse.Namespace) -> int:
     # The page follows a part into the hole, unless only a part of its mouth is modelled.
     chamfered = given.stated is not None and given.stated.is_chamfered
     scene = ALIGNMENT if chamfered else INSERTION
-    if sys.stderr.isatty() and not are_cached(shape, scene):
-        print("compiling the engines for the page, this once: some seconds …", file=sys.stderr)
-    engines = modules(shape, scene)
+    if sys.stderr.isatty() and not is_cached(shape, scene):
+        print("compiling the engine for the page, this once: some seconds …", file=sys.stderr)
+    engine = module_for(shape, scene)
     file, origin = str(arguments.device or ""), _origin(arguments, given.stated)
     assumed = assumptions(given.parameters, settings, given.stated)
     model = device_model(
-        given.values, given.units, file, settings, engines.interface, origin, assumed
+        given.values, given.units, file, settings, engine.interface, origin, assumed
     )
     with writing():
-        write_text(build_page(model, engines), arguments.out)
+        write_text(build_page(model, engine), arguments.out)
     print(f"open {arguments.out} in a browser")
     return 0
 

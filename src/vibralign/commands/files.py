@@ -2,6 +2,7 @@
 
 import contextlib
 import os
+import stat
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -43,7 +44,13 @@ def check_file(path: Path, option: str, extensions: Sequence[str]) -> None:
         raise ValueError(f"{option} {path}: the folder {path.parent} does not exist")
     if path.is_dir():
         raise ValueError(f"{option} {path}: is a folder, must be a file")
-    real = path.resolve()
+    try:
+        real = path.resolve(strict=False)
+        mode = real.stat().st_mode if real.exists() or real.is_symlink() else stat.S_IFREG
+    except (OSError, RuntimeError):  # RuntimeError: Python 3.11 and 3.12, a loop
+        raise ValueError(f"{option} {path}: is a link that leads nowhere: delete it") from None
+    if not stat.S_ISREG(mode):
+        raise ValueError(f"{option} {path}: is no regular file but a device or a pipe; name a file")
     if not real.parent.is_dir():
         raise ValueError(f"{option} {path}: a link into {real.parent}, which does not exist")
     if not all(os.access(each, os.W_OK) for each in (real, real.parent) if each.exists()):

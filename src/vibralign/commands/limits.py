@@ -6,11 +6,12 @@ from typing import TYPE_CHECKING
 from model.physics.quantities import ANGLE, FORCE, TIME
 from vibralign.answers.si import si_words
 from vibralign.commands.tables import in_columns
+from vibralign.device.limits import LIMITS
 
 if TYPE_CHECKING:
     from vibralign.answers.limits import LimitResult
 
-MEASURES = {"time": TIME, "contact_force": FORCE, "tilt": ANGLE}
+MEASURES = {"time": TIME, "contact_force": FORCE, "tilt": ANGLE}  # of runs
 
 
 def limit_lines(results: "Sequence[LimitResult]") -> list[str]:
@@ -43,11 +44,11 @@ def _against(result: "LimitResult") -> str:
 def _limit(result: "LimitResult") -> str:
     if result.name == "vibration":
         return "needed" if result.limit else "not needed"
-    return si_words(result.limit, MEASURES[result.name])
+    return si_words(result.limit, LIMITS[result.name][1])
 
 
 def _value(result: "LimitResult", value: float) -> str:
     if result.name == "vibration":
         share = f"needed by {100.0 * value:.3g} %"
         return {0.0: "not needed", 1.0: "needed"}.get(value, share)
-    return si_words(value, MEASURES[result.name])
+    return si_words(value, LIMITS[result.name][1])

@@ -11,11 +11,14 @@ import io
 import os
 import re
 import sys
+import warnings
 from collections.abc import Callable, Iterable, Sequence
+from functools import partial
 from typing import Any, NoReturn, TextIO
 
 from model.sweeps.version import version
 from vibralign.commands.files import WriteError
+from vibralign.doubts import DoubtWarning
 
 DONE, FAILED, REFUSED, INTERRUPTED = 0, 1, 2, 130
 
@@ -57,6 +60,8 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Refuse in one line, without the usage."""
+        if "unrecognized arguments" in message and re.search(r"\.ya?ml\b", message):
+            message += ": a device file follows --device"
         self.exit(REFUSED, f"{self.prog}: error: {message} (see {self.prog} --help)\n")
 
     def format_help(self) -> str:
@@ -75,7 +80,10 @@ def run_program(parser: Parser, argv: Sequence[str] | None = None) -> int:
     if isinstance(sys.stdout, io.TextIOWrapper):  # a terminal that cannot show τ gets a ? for it
         sys.stdout.reconfigure(errors="replace")
     try:
-        return _run(parser, argv)
+        with warnings.catch_warnings():
+            warnings.simplefilter("always", DoubtWarning)
+            warnings.showwarning = partial(_warn, name, set[str]())
+            return _run(parser, argv)
     except SystemExit as ending:  # argparse: help, version, a refusal
         return ending.code if isinstance(ending.code, int) else DONE
     except ValueError as refusal:
@@ -95,6 +103,13 @@ def run_program(parser: Parser, argv: Sequence[str] | None = None) -> int:
         _failed(name, FAILED, f"{error}: {remedy} or choose another place and run it again")
         _discard(sys.stdout)
         return FAILED
+
+
+def _warn(name: str, said: set[str], message: Warning | str, *_: Any) -> None:
+    """Print a warning in one line, once."""
+    if str(message) not in said:
+        said.add(str(message))
+        print(f"{name}: warning: {message}", file=sys.stderr)
 
 
 def _open_streams() -> None:

@@ -5,7 +5,7 @@ import shutil
 import sys
 import time
 
-from model.runs.engines import PROGRESS
+from model.runs.engine import PROGRESS
 
 _PAUSE = 10.0  # s, between two lines of a log
 

@@ -8,13 +8,12 @@ from pathlib import Path
 from typing import Any
 
 from model.engine.results import RESULTS, TRACK_VARIABLES
-from model.engine.scalar.tableaux import DOP853
+from model.engine.series_layout import METHOD
 from model.events.outcomes import SUCCESSES, Outcome, Unvibrated
 from model.physics.notation import State
 from model.physics.parameters import Batch, Parameters
 from model.physics.quantities import PLAIN, TIME
 from model.physics.units import Units
-from model.runs.engines import Engine
 from model.runs.settings import Settings
 from model.runs.simulate import Trajectory, simulate
 from model.runs.unvibrated import unvibrated_results, unvibrated_words
@@ -35,8 +34,6 @@ from vibralign.commands.files import check_file, check_picture, writing
 from vibralign.commands.program import add_command, add_json
 from vibralign.commands.tables import print_json
 from vibralign.device.runs import of_device
-
-ENGINE: Engine = "scalar"  # also of the control: the other would have to be compiled first
 
 
 def add(commands: Any) -> None:
@@ -79,7 +76,7 @@ def _simulate(arguments: argparse.Namespace) -> int:
         lines += lever_words(parameters, settings, units)
         lines += wall_words(parameters, settings, run.tilt_max, units)
         lines.append(natural_words(parameters, units))
-        lines += [unvibrated_words(parameters, settings, ENGINE), *lines_of(assumed)]
+        lines += [unvibrated_words(parameters, settings), *lines_of(assumed)]
         if units and arguments.dimensionless:
             one = f"one is {units.time:.4g} s, {units.amplitude:.4g} m, {units.force:.4g} N"
             lines += ["", "dimensionless:", *_report(run, None, settings)[1:], one]
@@ -131,7 +128,12 @@ def _report(run: Trajectory, units: Units | None, settings: Settings) -> list[st
     aligned = not math.isnan(run.tau_align)
     rows = [("outcome", f"{_name(run.outcome)}: {run.message}")]
     if run.outcome not in SUCCESSES:
-        rows.append(("what to do", run.remedy))
+        from vibralign.answers.causes import STICKS  # noqa: PLC0415  (of failures only)
+
+        sticks = run.outcome == Outcome.HORIZON_REACHED and run.sticking_share >= STICKS
+        words = "it sticks all the time, a longer horizon does not help: change "
+        words += "friction, press_force, amplitude or tilt_stiffness"
+        rows.append(("what to do", words if sticks else run.remedy))
     duration = "none: it does not align"
     if aligned:
         error = _within(run.tau_align, run.tau_error)
@@ -190,7 +192,7 @@ def _final_state(run: Trajectory) -> dict[str, float]:
 
 def unvibrated_record(parameters: Parameters, settings: Settings) -> dict[str, Any]:
     """Return how the unvibrated control ends, for --json."""
-    columns = unvibrated_results(Batch.stack([parameters]), settings, engine=ENGINE)
+    columns = unvibrated_results(Batch.stack([parameters]), settings)
     values = {name: column[0].item() for name, column in columns.items()}
     return values | {"unvibrated": _name(Unvibrated(values["unvibrated"]))}
 
@@ -215,7 +217,7 @@ def _record(run: Trajectory, settings: Settings) -> dict[str, Any]:
         "scene": settings.scene.name,
         "insertion_depth": settings.insertion_depth,
         "forces_known": until(settings),
-        "method": DOP853.name,
+        "method": METHOD,
         "horizon": settings.horizon,
         "tolerance": settings.tolerance,
         "version": version(),

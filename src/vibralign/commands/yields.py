@@ -1,7 +1,8 @@
 """Yield of a device under its tolerances in words, and as a record for --json."""
 
+import math
 import shlex
-from dataclasses import asdict, astuple
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from model.physics.quantities import FORCE, TIME
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
     from vibralign.device import StatedDevice
 
 _LARGEST = {"alignment time": "time", "contact force": "contact_force"}  # lines of the yield
-_WIDEST = 0.5  # interval of a Sobol' index that is printed
 
 
 def yield_words(drawn: "Yield | Check") -> str:
@@ -47,6 +47,9 @@ def yield_report(
     if drawn.inside:
         words = f"{drawn.inside} more start inside the hole, and are not counted"
         lines.append(_line("inside", f"{words}: the method does nothing for them"))
+    if drawn.impossible:
+        words = f"{drawn.impossible} of these cannot be (no play, a negative friction or the like):"
+        lines.append(_line("impossible", f"{words} counted as not going in"))
     if required:
         lines.append(_line("required", required))
     times = [("alignment time", drawn.time, TIME, si.DIGITS)] if drawn.going_in else []
@@ -65,29 +68,24 @@ def yield_report(
         words = forces_words(drawn.forces, None, settings, in_si=True)
         lines.append(_line("  at most", words))
     if drawn.sobol_indices:
-        lines.append(
-            "to blame, Sobol' indices: first order and total, of failure and of time, with their "
-            "intervals; wide: not known"
-        )
-        rows = [(each.quantity, *map(_index, astuple(each)[1:5], each.intervals))
-                for each in drawn.sobol_indices]  # fmt: skip
+        lines.append("which tolerance is to blame (total Sobol' indices; a dash: not known):")
+        rows: list[tuple[str, ...]] = [("", "of failures", "of the spread of times")]
+        rows += [(e.quantity, *map(_share, (e.failure, e.time))) for e in drawn.sobol_indices]
         lines += in_columns(rows)
     if result.failing_start is not None:
         lines.append(_line("fails nearest", "the device itself is not reliable"))
     elif failing is None:
-        lines.append(_line("fails nearest", "none of the devices drawn fails"))
+        words = "no other of the devices drawn fails" if drawn.impossible else ""
+        lines.append(_line("fails nearest", words or "none of the devices drawn fails"))
     else:
-        words = f"{si.named_words(failing.quantities)}: fails at "
+        words = f"{si.named_words(failing.quantities, stated)}: fails at "
         words += f"{100.0 * failing.distance:.3g} % of the tolerances"
         lines += [_line("fails nearest", words), f"  {_command(failing, stated, settings)}"]
     return lines
 
 
-def _index(value: float, interval: tuple[float, float]) -> str:
-    low, high = interval
-    if value != value:  # noqa: PLR0124 - NaN
-        return "-"
-    return f"{value:.2f} ({low:.2f} to {high:.2f})" if high - low < _WIDEST else "wide"
+def _share(index: float) -> str:
+    return "–" if math.isnan(index) else f"{100.0 * index:.0f} %"
 
 
 def yield_record(
@@ -104,8 +102,14 @@ def yield_record(
 
 
 def _command(failing: "FailingDevice", stated: "StatedDevice", settings: "Settings") -> str:
-    """Return the command line that runs a failing device."""
-    changes = {**stated.changes, **failing.quantities, **stated.stated_start, **failing.start}
+    """Return the command line that runs a failing device, in the units of its file."""
+    from vibralign.answers.yields import DIGITS  # noqa: PLC0415  (scipy)
+
+    written = {
+        name: si.written_words(name, value, stated, DIGITS) if name in stated.written else value
+        for name, value in failing.quantities.items()
+    }
+    changes = {**stated.changes, **written, **stated.stated_start, **failing.start}
     words = [f"vibralign simulate --device {shlex.quote(str(stated.source))}"]
     words.append(f"--scene {settings.scene.name}")
     if stated.horizon is not None:

@@ -2,30 +2,28 @@
 
 A bare number is in SI units. ``±`` (or ``+-``) states the half-width of a uniform distribution,
 ``σ`` (or ``sigma``) the standard deviation of a normal one. A tolerance in per cent is a share of
-the value. pint reads the units, ``spelling`` what pint does not know; frequencies may also be in
-revolutions or radians per time. An amplitude is the peak of the vibration; it may be stated from
-peak to peak, as rms, or as the velocity or acceleration (5 g) that it has at the frequency.
+the value. pint reads the units, ``spelling`` what engineers write otherwise; frequencies may also
+be in revolutions or radians per time. An amplitude is the peak of the vibration; it may be stated
+from peak to peak, as rms, or as the velocity or acceleration (5 g) that it has at the frequency.
 """
 
 import math
+import numbers
 import re
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
-from typing import Any, Literal, TypeVar
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from model.physics.parameters import FIELDS
-from vibralign.device.spelling import NUMBER, clearer, ends_of, peak, plain, spelled
+from vibralign.device.spelling import AMBIGUOUS, NUMBER, ends_of, is_grouped, peak, plain, spelled
 
 _AMOUNT = re.compile(rf"\s*({NUMBER})\s*(.*?)\s*")
 _SPREAD = re.compile(r"\s*(±|\+/-|\+-|σ|sigma\b)\s*")
 _BRACKETS = re.compile(rf"\((.+)({_SPREAD.pattern}.+)\)(.*)")  # (12 ± 3) N
-_QUOTIENT = re.compile(rf"(.*?)/\s*({NUMBER})\s*(.*?)\s*")  # 0.05 mm / 6 mm
 _UNIT = re.compile(r"(?:1?\s*/\s*)?[^\W\d_][^,]*|°.*|%")  # pint reads ", 1 N" as a unit, too
-_Read = TypeVar("_Read")
 SIGMAS = 3.0  # standard deviations that count as the end of a normal tolerance
 
 
@@ -54,10 +52,19 @@ class Tolerance:
 
 @dataclass(frozen=True)
 class Amount:
-    """A value in SI units, with its tolerance if one is stated."""
+    """A value in SI units, with its tolerance if one is stated.
+
+    Attributes:
+        value: in SI units.
+        tolerance: None if none is stated.
+        unit: the unit in which it is stated, such as "mm p-p"; empty for a bare number.
+        one: size of that unit in SI units.
+    """
 
     value: float
     tolerance: Tolerance | None = None
+    unit: str = ""
+    one: float = 1.0
 
 
 def read_amount(name: str, given: object, unit: str, frequency: float | None = None) -> Amount:
@@ -68,67 +75,61 @@ def read_amount(name: str, given: object, unit: str, frequency: float | None = N
     Raises:
         ValueError: no number, an unknown unit, a unit of another quantity, or a tolerance < 0.
     """
-    if name.endswith("amplitude") and isinstance(given, str):
-        amount, factor = _to_peak(_read_amount, name, given, frequency)
-        tolerance = amount.tolerance
-        if tolerance is not None and not tolerance.relative:
-            tolerance = replace(tolerance, width=tolerance.width * factor)
-        return Amount(amount.value * factor, tolerance)
-    return _read_amount(name, given, unit)
-
-
-def _read_amount(name: str, given: object, unit: str) -> Amount:
-    if given is None:
-        raise ValueError(f"{name} is not filled in: {_rule(unit)}")
-    _check_play(name, given, plain(str(given)))
-    if isinstance(given, (int, float)) and not isinstance(given, bool):
-        return Amount(float(given))
     if not isinstance(given, str):
-        raise ValueError(f"{name} = {given!r}: {_rule(unit)}")  # noqa: TRY004  (of a file)
-    written = _BRACKETS.sub(r"\1\4\2\4", plain(given))
-    text, *spread = _SPREAD.split(written, maxsplit=1)
+        return Amount(_bare(name, given, unit))
+    reader, text = _reader(name, given, unit, frequency)
+    value, *spread = _SPREAD.split(_BRACKETS.sub(r"\1\4\2\4", text), maxsplit=1)
     if not spread:
-        if ends_of(written):
-            raise ValueError(
-                f"{name} = {given!r}: is a range; state one value, or a value ± its tolerance "
+        if ends := ends_of(text):
+            low, high = reader.ends(ends)
+            middle, half = f"{0.5 * (low + high):.6g}", f"{0.5 * (high - low):.6g}"
+            raise reader.refusal(
+                f"is a range; state one value, or {f'{middle} ± {half} {unit}'.removesuffix(' 1')} "
                 "(ranges stand below free:)"
             )
-        return Amount(_number(name, given, text, unit))
+        return reader.amount(value)
     sign, width = spread
-    value, tolerance = _with_tolerance(name, given, text, sign, width, unit)
-    if not 0.0 <= tolerance.width < math.inf:
-        raise ValueError(f"{name} = {given!r}: the tolerance must be >= 0")
-    return Amount(value, tolerance if tolerance.width > 0.0 else None)
-
-
-def _check_play(name: str, given: object, text: str) -> None:
-    """Refuse a clearance, or an end of its range, with which the hole is not the wider."""
-    stated = _AMOUNT.fullmatch(text) if name == "clearance" else None
-    if stated and float(stated[1]) <= 0.0 and not stated[2].startswith(","):  # 0,1 is refused later
-        raise ValueError(
-            f"{name} = {given!r}: no play or an interference (a transition fit) is not modelled: "
-            "the hole must be wider than the part. State the smallest clearance > 0 of the pairs "
-            "that have play, (hole - peg) / peg, and count the others as not going in"
-        )
-
-
-def _with_tolerance(
-    name: str, given: str, text: str, sign: str, width: str, unit: str
-) -> tuple[float, Tolerance]:
-    """Return the value in ``text``, and the tolerance of this ``width`` around it."""
     kind: Literal["uniform", "normal"] = "uniform" if sign in ("±", "+/-", "+-") else "normal"
-    if not width.strip().endswith("%") or "%" in text:
-        suffix = _unit_of(width)
-        value = _number(name, given, text if _unit_of(text) else f"{text} {suffix}", unit)
-        width = width if suffix else f"{width} {_unit_of(text)}"
-        return value, Tolerance(kind, _number(name, given, width, unit))
-    value, share = _number(name, given, text, unit), _number(name, given, width, "1")
-    if unit == "1" and 100.0 * share <= value:
-        raise ValueError(
-            f"{name} = {given!r}: is the value in per cent, too? Write {text.strip()} % {sign} "
-            f"{width.strip()}, or {text.strip()} {sign} {value * share:.4g}"
-        )
-    return value, Tolerance(kind, share, relative=True)
+    if width.endswith("%") and "%" not in value:
+        amount, share = reader.amount(value), read_amount(f"{name}'s width", width, "1").value
+        if unit == "1" and 100.0 * share <= amount.value:
+            raise reader.refusal(
+                f"is the value in per cent, too? Write {value.strip()} % {sign} {width}, or "
+                f"{value.strip()} {sign} {amount.value * share:.4g}"
+            )
+        tolerance = Tolerance(kind, share, relative=True)
+    else:
+        amount = reader.amount(value, _unit_of(width))
+        tolerance = Tolerance(kind, reader.amount(width, _unit_of(value)).value)
+    if not 0.0 <= tolerance.width < math.inf:
+        raise reader.refusal("the tolerance must be >= 0")
+    return Amount(amount.value, tolerance if tolerance.width else None, amount.unit, amount.one)
+
+
+def read_exact(name: str, given: object, unit: str, frequency: float | None = None) -> Amount:
+    """Read an amount that has no tolerance; arguments as for ``read_amount``.
+
+    Raises:
+        ValueError: as ``read_amount``, or it has a tolerance.
+    """
+    amount = read_amount(name, given, unit, frequency)
+    if amount.tolerance is not None:
+        raise ValueError(f"{name} = {given!r}: no tolerance here, {_rule(unit)}")
+    return amount
+
+
+def read_positive(name: str, given: object, unit: str, words: str = "") -> float:
+    """Return the value of an amount > 0 without a tolerance, such as a limit, in SI units.
+
+    ``words`` are its meaning.
+
+    Raises:
+        ValueError: as ``read_exact``, or it is not > 0 and finite.
+    """
+    value = read_exact(name, given, unit).value
+    if not 0.0 < value < math.inf:
+        raise ValueError(f"{name} = {given!r}: must be a finite number > 0{words and f', {words}'}")
+    return value
 
 
 def read_range(
@@ -141,50 +142,13 @@ def read_range(
     Raises:
         ValueError: not two amounts, or the second not above the first.
     """
-    if name.endswith("amplitude") and isinstance(given, str):
-        (low, high), factor = _to_peak(_read_range, name, given, frequency)
-        return low * factor, high * factor
-    return _read_range(name, given, unit)
-
-
-def _to_peak(
-    read: Callable[[str, str, str], _Read], name: str, given: str, frequency: float | None
-) -> tuple[_Read, float]:
-    """Read an amplitude, velocity or acceleration; return it and its factor to the peak in m."""
-    if instead := clearer(plain(given)):
-        raise ValueError(f"{name} = {given!r}: write {instead}")
-    try:
-        text, factor = peak(plain(given))
-    except ValueError as two:
-        raise ValueError(f"{name} = {given!r}: {two}") from None
-    refusals = []
-    for power, unit in enumerate(("m", "m/s", "m/s^2")):
-        try:
-            found = read(name, text, unit)
-        except ValueError as refusal:
-            refusals.append(refusal)
-            continue
-        if power and not frequency:
-            raise ValueError(
-                f"{name} = {given!r}: is {'an acceleration' if power > 1 else 'a velocity'}, which "
-                "gives an amplitude at one frequency only, and frequency is no single value > 0 "
-                "here: write the amplitude in mm"
-            )
-        return found, factor / (math.tau * (frequency or 1.0)) ** power
-    raise refusals[0]
-
-
-def _read_range(name: str, given: object, unit: str) -> tuple[float, float]:
-    ends = ends_of(plain(given)) if isinstance(given, str) else []
-    if not ends:
+    reader, text = _reader(name, given if isinstance(given, str) else "", unit, frequency)
+    if not (ends := ends_of(text)):
         example = "2 to 30" if unit == "1" else f"2 to 30 {unit}"
         raise ValueError(f"{name} = {given!r}: must be a range such as {example}")
-    _check_play(name, given, ends[0])
-    high = _number(name, given, ends[1], unit)
-    suffix = "" if _unit_of(ends[0]) else _unit_of(ends[1])
-    low = _number(name, given, f"{ends[0]} {suffix}", unit)
+    low, high = reader.ends(ends)
     if not low < high:
-        raise ValueError(f"{name} = {given!r}: must rise from the first value to the second")
+        raise reader.refusal("must rise from the first value to the second")
     return low, high
 
 
@@ -196,19 +160,19 @@ def read_values(name: str, given: Any, unit: str, points: int) -> NDArray[np.flo
         shape ().
 
     Raises:
-        ValueError: as ``read_amount`` and ``read_range``, a value with a tolerance, or a list that
-            is empty or has a value twice.
+        ValueError: as ``read_exact`` and ``read_range``, or a list that is empty, has a value twice
+            or one that is masked.
     """
     if isinstance(given, str) and ends_of(plain(given)):
         steps = np.linspace(*read_range(name, given, unit), points)
         return np.array([float(f"{each:.12g}") for each in steps])  # decimal steps are decimals
     if hasattr(given, "magnitude"):  # of a library of units, which an array would drop
         raise ValueError(f"{name} = {given}: give numbers in {unit}, or texts such as '1 {unit}'")
+    if np.ma.is_masked(given):
+        raise ValueError(f"{name} = {given}: has masked values; leave them out")
     listed = given if isinstance(given, str) else np.asarray(given, dtype=object).tolist()
-    each = [read_amount(name, v, unit) for v in (listed if isinstance(listed, list) else [listed])]
-    if any(one.tolerance for one in each):
-        raise ValueError(f"{name} = {given!r}: no tolerance here, {_rule(unit)}")
-    values = [one.value for one in each]
+    each = listed if isinstance(listed, list) else [listed]
+    values = [read_exact(name, one, unit).value for one in each]
     if not values or len({*values}) < len(values):
         raise ValueError(f"{name} = {given!r}: must be distinct values, at least one")
     return np.array(values if isinstance(listed, list) else values[0])
@@ -219,9 +183,33 @@ def _rule(unit: str) -> str:
     return f"must be a number{units}"
 
 
+def _bare(name: str, given: object, unit: str) -> float:
+    """Return what is no text as a number."""
+    if given is None:
+        raise ValueError(f"{name} is not filled in: {_rule(unit)}")
+    if isinstance(given, np.ndarray) and not given.ndim and not np.ma.is_masked(given):
+        given = given.item()
+    if not isinstance(given, numbers.Real) or isinstance(given, bool):
+        words = "is masked" if np.ma.is_masked(given) else _rule(unit)
+        raise ValueError(f"{name} = {given!r}: {words}")  # noqa: TRY004  (of a file)
+    _check_play(name, given, float(given))
+    return float(given)
+
+
+def _check_play(name: str, given: object, value: float) -> None:
+    """Refuse a clearance, or an end of its range, with which the hole is not the wider."""
+    if name in ("clearance", "play") and value <= 0.0:
+        raise ValueError(
+            f"{name} = {given!r}: no play or an interference (a transition fit) is not modelled: "
+            "the hole must be wider than the part. State the smallest clearance > 0 of the pairs "
+            "that have play, (hole - peg) / peg, and count the others as not going in"
+        )
+
+
 def _meaning(name: str) -> str:
-    of = ", of the radii of hole and part" if name == "clearance" else ""
-    return f"; it is the {FIELDS[name].description}{of}" if name in FIELDS else ""
+    if name == "clearance":
+        return "; a length is the play: write play: 0.05 mm, of the diameters"
+    return f"; it is the {FIELDS[name].description}" if name in FIELDS else ""
 
 
 def _unit_of(text: str) -> str:
@@ -229,58 +217,116 @@ def _unit_of(text: str) -> str:
     return match[2] if match else ""
 
 
-def _number(name: str, given: Any, text: str, unit: str) -> float:
-    """Return the value of ``text``, a number with or without a unit, in ``unit``.
+def _reader(name: str, given: str, unit: str, frequency: float | None) -> "tuple[_Reader, str]":
+    """Return what reads the parts of a text, and the text with plain signs and without "p-p"."""
+    text, words, factor = plain(given), "", 1.0
+    if name.endswith("amplitude"):
+        try:
+            text, words, factor = peak(text)
+        except ValueError as two:
+            raise ValueError(f"{name} = {given!r}: {two}") from None
+    return _Reader(name, given, unit, words, factor, frequency), text
 
-    The message of a refusal quotes ``given``, the whole text of which this is a part.
+
+@dataclass(frozen=True)
+class _Reader:
+    """Reader of the parts of the text ``given``, which its refusals quote.
+
+    Attributes:
+        words: such as "p-p" beside an amplitude.
+        factor: from the height of a vibration to its peak.
     """
-    match = _AMOUNT.fullmatch(text)
-    if match is None:
-        raise ValueError(f"{name} = {given!r}: {_rule(unit)}")
-    value, own = float(match[1]), match[2]
-    if instead := clearer(text):
-        raise ValueError(f"{name} = {given!r}: write {instead}")
-    if re.search(r"\+\s*\d", own):
-        raise ValueError(
-            f"{name} = {given!r}: a tolerance is symmetric: write the middle of the limits ± half "
-            "their distance"
-        )
-    if unit == "1" and (two := _QUOTIENT.fullmatch(text)) and float(two[2]):
-        ratio = _number(name, given, two[1], two[3] or "1") / float(two[2])
-        raise ValueError(
-            f"{name} = {given!r}: write the ratio, {ratio:.4g} or {100.0 * ratio:.4g} %"
-            f"{_meaning(name)}"
-        )
-    gram, grain = (re.sub(r"(?i)\b(k?)gr\b", rf"\1{each}", text.strip()) for each in ("g", "grain"))
-    if gram != text.strip():
-        raise ValueError(f"{name} = {given!r}: gr is gram or grain: write {gram} or {grain}")
-    if own and not _UNIT.fullmatch(own):
-        raise ValueError(f"{name} = {given!r}: unknown unit {own!r}; {_rule(unit)}")
-    return value if own in ("", unit) else value * _factor(name, given, own, unit)
 
+    name: str
+    given: str
+    unit: str
+    words: str = ""
+    factor: float = 1.0
+    frequency: float | None = None
 
-def _factor(name: str, given: Any, own: str, unit: str) -> float:
-    """Return the size of the unit ``own`` in the SI unit ``unit``."""
-    import pint  # noqa: PLC0415  (a third of a second, for files with units only)
+    def refusal(self, words: str) -> ValueError:
+        """Return the refusal of the text."""
+        return ValueError(f"{self.name} = {self.given!r}: {words}")
 
-    registry = _registry()
-    try:
-        one = registry.Quantity(1.0, registry.parse_units(spelled(own, unit)))
-        # For pint a cycle is an angle of 2π; a frequency counts it as 1.
-        turning = unit == "Hz" and "radian" in one.to_root_units().units._units
-        return float(one.to("" if unit == "1" else unit).magnitude) / (
-            2.0 * math.pi if turning else 1.0
+    def amount(self, text: str, usual: str = "") -> Amount:
+        """Return the amount of a number with or without a unit; ``usual`` is that without."""
+        match = _AMOUNT.fullmatch(text)
+        if match is None:
+            raise self.refusal(_rule(self.unit))
+        value, own = float(match[1]), match[2] or usual
+        _check_play(self.name, self.given, value)
+        if is_grouped(text):
+            raise self.refusal(
+                "write a decimal point and no other sign or space between digits: 0.15, 15000"
+            )
+        self._check(text, own)
+        one = self.factor if own in ("", self.unit) else self._size(own)
+        return Amount(
+            value if one == 1.0 else value * one, None, f"{own} {self.words}".strip(), one
         )
-    except pint.DimensionalityError:
-        hint = "a ratio, without a unit or in %" if unit == "1" else f"in {unit} or alike"
-        words = f"must be {hint}, not in {own}{_meaning(name)}"
-        raise ValueError(f"{name} = {given!r}: {words}") from None
-    except Exception:  # noqa: BLE001  (on a malformed unit pint raises errors of many kinds)
-        raise ValueError(f"{name} = {given!r}: unknown unit {own!r}; {_rule(unit)}") from None
+
+    def ends(self, ends: list[str]) -> tuple[float, float]:
+        """Return the two ends of a range."""
+        high = self.amount(ends[1])
+        return self.amount(ends[0], _unit_of(ends[1])).value, high.value
+
+    def _check(self, text: str, own: str) -> None:
+        """Refuse what may mean two things."""
+        if re.search(r"\+\s*\d", own):
+            raise self.refusal(
+                "a tolerance is symmetric: write the middle of the limits ± half their distance"
+            )
+        for name, meant in AMBIGUOUS.items():
+            texts = [re.sub(rf"(?i)\b(k?){name}\b", rf"\1{each}", text.strip()) for each in meant]
+            if texts[0] != text.strip():
+                words = " or ".join(meant.values())
+                raise self.refusal(f"{name} is {words}: write {' or '.join(texts)}")
+        if own and not _UNIT.fullmatch(own):
+            raise self.refusal(f"unknown unit {own!r}; {_rule(self.unit)}")
+
+    def _size(self, own: str) -> float:
+        """Return the size of the unit ``own`` in the SI unit, of an amplitude to its peak in m."""
+        if not self.name.endswith("amplitude"):
+            return self._size_in(own, self.unit)
+        refusals = list[ValueError]()
+        for power, unit in enumerate(("m", "m/s", "m/s^2")):
+            try:
+                size = self.factor * self._size_in(own, unit)
+            except ValueError as refusal:
+                refusals.append(refusal)
+                continue
+            if power and not self.frequency:
+                raise self.refusal(
+                    f"is {'an acceleration' if power > 1 else 'a velocity'}, which gives an "
+                    "amplitude at one frequency only, and frequency is no single value > 0 here: "
+                    "write the amplitude in mm"
+                )
+            return size / (math.tau * (self.frequency or 1.0)) ** power
+        raise refusals[0]
+
+    def _size_in(self, own: str, unit: str) -> float:
+        """Return the size of the unit ``own`` in ``unit``."""
+        import pint  # noqa: PLC0415  (a third of a second, for files with units only)
+
+        registry = _registry()
+        try:
+            one = registry.Quantity(1.0, registry.parse_units(spelled(own, unit)))
+            names = one.to_root_units().units._units
+            size = float(one.to("" if unit == "1" else unit).magnitude)
+        except pint.DimensionalityError:
+            hint = "a ratio, without a unit or in %" if unit == "1" else f"in {unit} or alike"
+            words = f"must be {hint}, not in {own}{_meaning(self.name)}"
+            raise self.refusal(words) from None
+        except Exception:  # noqa: BLE001  (on a malformed unit pint raises errors of many kinds)
+            raise self.refusal(f"unknown unit {own!r}; {_rule(unit)}") from None
+        # For pint a cycle is an angle of 2π, and an angle a ratio; a frequency counts cycles.
+        if ("%" in own and (unit, own) != ("1", "%")) or (unit == "1" and "radian" in names):
+            raise self.refusal(f"{own} is no unit of it, {_rule(unit)}")
+        return size / math.tau if unit == "Hz" and "radian" in names else size
 
 
 @cache
 def _registry() -> Any:
-    import pint  # noqa: PLC0415  (as in _factor)
+    import pint  # noqa: PLC0415  (as in _size_in)
 
     return pint.UnitRegistry()

@@ -24,7 +24,7 @@ from typing import Any, NamedTuple
 
 from model.physics.geometry import lever_if_flat
 from model.physics.parameters import Shape
-from vibralign.device.holder import RATIOS
+from model.physics.quantities import LENGTH, PLAIN, STIFFNESS, Quantity
 from vibralign.device.mouth import middle_of_face
 from vibralign.device.spelling import in_per_cent
 
@@ -76,26 +76,23 @@ _NAMES = {  # of data sheets, without spaces and hyphens
     "zamak": "zinc",
 }
 
-# Quantities of a base that a device file may state in place of parameters: meaning and SI unit.
-BASE: Mapping[str, tuple[str, str]] = {
-    "edge_radius": ("rounding of the hole's edge, for the contact stiffness of materials", "m"),
-    "plate_thickness": ("thickness of a base that is a round plate, clamped at its rim", "m"),
-    "plate_radius": ("radius of such a plate, to its rim", "m"),
-    "restitution": ("coefficient of restitution, for the contact damping", "1"),
+# Quantities of a base that a device file may state in place of parameters.
+BASE: Mapping[str, tuple[str, Quantity]] = {
+    "edge_radius": ("rounding of the hole's edge, for the contact stiffness of materials", LENGTH),
+    "plate_thickness": ("thickness of a base that is a round plate, clamped at its rim", LENGTH),
+    "plate_radius": ("radius of such a plate, to its rim", LENGTH),
+    "restitution": ("coefficient of restitution, for the contact damping", PLAIN),
+    "fixture_stiffness": ("stiffness of what holds the base, in series with it", STIFFNESS),
 }
 
 # Contact stiffness over axial stiffness where it is not stated. From 1,600 on the lever of a round
 # part does not hang on the yielding of the rims (docs/decisions/0042-round-parts.md).
 USUAL_STIFFNESS: Mapping[Shape, float] = {"square": 100.0, "round": 1600.0}
-CENTRE = "centre_height"  # in place of half_height
-CENTRE_WORDS = "height of the mass centre over the bottom face, in place of half_height"
 
 # Parameters, and the quantities of a device file from which they are computed if stated.
 SOURCES: Mapping[str, tuple[str, ...]] = {
     "contact_stiffness": ("materials", "edge_radius", "plate_thickness", "plate_radius"),
     "contact_damping": ("restitution",),
-    "half_height": (CENTRE,),
-    **{damping: (ratio,) for ratio, damping in RATIOS.items()},
 }
 
 
@@ -131,6 +128,11 @@ def plate_stiffness(material: Material, thickness: float, radius: float) -> floa
     """Return the stiffness in N/m of a clamped round plate (sizes in m), loaded at its centre."""
     rigidity = material.modulus * thickness**3 / (12.0 * (1.0 - material.poisson**2))
     return 16.0 * math.pi * rigidity / radius**2
+
+
+def in_series(one: Any, other: Any) -> Any:
+    """Return the stiffness of two springs in series, of numbers or of arrays."""
+    return 1.0 / (1.0 / one + 1.0 / other)
 
 
 def restitution_of(ratio: float) -> float:
@@ -187,7 +189,7 @@ def with_base(
         stiffness = hertz_stiffness(pair, given["edge_radius"], result["press_force"])
         if "plate_thickness" in given:
             plate = plate_stiffness(pair[1], given["plate_thickness"], given["plate_radius"])
-            stiffness = 1.0 / (1.0 / stiffness + 1.0 / plate)
+            stiffness = in_series(stiffness, plate)
         result["contact_stiffness"] = stiffness
     if "contact_stiffness" not in result and shape == "round":
         stiffer = USUAL_STIFFNESS["round"]
@@ -195,6 +197,10 @@ def with_base(
         damping = math.sqrt(stiffer / USUAL_STIFFNESS["square"]) * unit
         result["contact_stiffness"] = stiffer * result["axial_stiffness"]
         result.setdefault("contact_damping", damping)
+    if "fixture_stiffness" in given:
+        usual = USUAL_STIFFNESS["square"] * result["axial_stiffness"]
+        stiffness = result.get("contact_stiffness", usual)
+        result["contact_stiffness"] = in_series(stiffness, given["fixture_stiffness"])
     if "restitution" in given:
         usual = USUAL_STIFFNESS["square"] * result["axial_stiffness"]
         stiffness = result.get("contact_stiffness", usual)
@@ -214,7 +220,7 @@ def _check_base(
             most = " and <= 1" if name == "restitution" else ""
             most += in_per_cent(value) if limit < value <= 100.0 else ""
             raise ValueError(f"{name} = {value!r}: must be a finite number > 0{most}")
-    sizes = set(given) - {"restitution"}
+    sizes = set(given) - {"restitution", "fixture_stiffness"}
     if pair is None and sizes:
         raise ValueError(f"{min(sizes)} needs materials, such as steel on aluminium")
     if pair is not None and "edge_radius" not in given:

@@ -8,12 +8,13 @@ from numpy.typing import NDArray
 from model.physics.parameters import FIELDS, Batch, Parameters
 from model.physics.units import UNITS, Units, scales
 from model.runs.settings import Settings
-from vibralign.device.base import CENTRE
-from vibralign.device.holder import RATIOS
+from vibralign.device.instead import INSTEAD
 from vibralign.device.mouth import MOUTH, as_parameters
 from vibralign.device.stated import StatedDevice
 
 _ALONE = {"frequency", "friction", "phase"}  # of which no other quantity follows
+
+_COMPUTED = {*INSTEAD, "restitution", "fixture_stiffness"}  # from which others follow
 
 Values = Mapping[str, NDArray[np.float64]]
 """Quantities that vary together, each of shape (n,)."""
@@ -52,7 +53,7 @@ def devices_of(stated: Parameters | StatedDevice, values: Values) -> tuple[Batch
 def _resolved(stated: StatedDevice, values: Values, size: int) -> dict[str, NDArray[np.float64]]:
     """Return ``stated.resolved`` of many devices, shape (n,) or (); NaN where nothing is stated."""
     own = {**stated.values, **stated.quantities}
-    if not (stated.materials or stated.quantities.keys() & {*RATIOS, "restitution", CENTRE}) and (
+    if not (stated.materials or stated.quantities.keys() & _COMPUTED) and (
         values.keys() <= {*FIELDS, *UNITS, *MOUTH}
     ):  # nothing is computed from others, but the start
         changed = {

@@ -23,6 +23,7 @@ from vibralign.device.mouth import (
 )
 from vibralign.device.spelling import in_per_cent
 
+DISTRUSTED = "do not trust the verdict"
 _LONGEST = 1.0  # m
 # Moment of inertia over that of a rectangle of the same mass, m(a² + b²)/3. A solid cylinder has at
 # least 0.75, a solid ellipsoid 0.6, and a gripper adds to it. Whole sizes for half ones give 1/4.
@@ -43,6 +44,7 @@ _SLENDERNESS = 0.02, 10.0  # half_width over half_height
 _PLATE = 1e-3, 1.0  # thickness of a plate over its radius
 _SOFTEST = 10.0  # contact stiffness over axial stiffness
 # Natural frequency over the axial one.
+_NEAR_RESONANCE = 0.1  # relative distance of the excitation from a natural frequency
 _FREQUENCIES = {"lateral": (0.033, 3.3), "tilt": (0.1, 8.0)}
 
 
@@ -193,7 +195,7 @@ def _lever(given: Mapping[str, float], device: Device, shape: Shape) -> Iterator
         yield (
             f"soft base: at contact_stiffness = {given['contact_stiffness']:.4g} N/m, stated or "
             "taken, the contact yields about as much as the lever of the press is long, which may "
-            f"be {100.0 * doubt:.2g} % longer: do not trust the verdict"
+            f"be {100.0 * doubt:.2g} % longer: {DISTRUSTED}"
         )
 
 
@@ -214,13 +216,15 @@ def _excitation(given: Mapping[str, float], device: Device) -> Iterator[str]:
 def _stiffnesses(given: Mapping[str, float], device: Device) -> Iterator[str]:
     natural = natural_frequencies(device.parameters)
     resonance = 1.0 / (math.tau * device.units.time)
-    for direction, span in _FREQUENCIES.items():
-        if natural[direction] and _outside(natural[direction], span):
+    for direction, ratio in natural.items():
+        own = f"the holder's natural frequency, {direction}, of {ratio * resonance:.3g} Hz"
+        if ratio and abs(device.parameters.frequency / ratio - 1.0) <= _NEAR_RESONANCE:
+            yield f"frequency = {given['frequency']:.4g} Hz is within a tenth of {own}: resonance"
+        if ratio and _outside(ratio, _FREQUENCIES.get(direction, (1.0, 1.0))):
             name = f"{direction}_stiffness"
             yield (
                 f"{name} = {given[name]:.4g} {FIELDS[name].quantity.unit} gives a natural "
-                f"frequency of {natural[direction] * resonance:.3g} Hz, the axial one is "
-                f"{resonance:.3g} Hz"
+                f"frequency of {ratio * resonance:.3g} Hz, the axial one is {resonance:.3g} Hz"
             )
 
 

@@ -19,12 +19,12 @@ from model.physics.tables import vars_of
 from model.runs import align as many
 from model.runs import simulate as single
 from model.runs.align import Alignments
-from model.runs.engines import Engine
 from model.runs.settings import Settings, settings_with
 from model.runs.simulate import Trajectory
-from vibralign.device.amounts import read_amount
+from vibralign.device.amounts import read_positive
+from vibralign.device.load import load_device
 from vibralign.device.mouth import judged
-from vibralign.device.stated import QUANTITIES, StatedDevice, load_device
+from vibralign.device.stated import QUANTITIES, StatedDevice
 
 Device = Parameters | StatedDevice
 AnyDevice = Device | Path | str
@@ -33,19 +33,21 @@ IN_SI: dict[str, Quantity] = {"horizon": TIME, "insertion_depth": LENGTH}
 
 
 def device_of(given: object) -> Device:
-    """Return a device; a text or path is that of its file.
+    """Return a device, with a warning of what is doubtful; a text or path is that of its file.
 
     Raises:
         TypeError: no device; a list is not one.
         DeviceError: as ``load_device``.
     """
     if isinstance(given, (str, Path)):
-        return load_device(given)
+        given = load_device(given)
     if not isinstance(given, (Parameters, StatedDevice)):
         raise TypeError(
             "a device is Parameters, what load_device returns, or the path of its file, got "
             f"{type(given).__name__}"
         )
+    if isinstance(given, StatedDevice):
+        given.warn()
     return given
 
 
@@ -71,7 +73,7 @@ def with_changes(
     if isinstance(device, Parameters):
         return device, _settings_with(settings, changes)
     texts = {n: v for n, v in changes.items() if n in IN_SI and isinstance(v, str)}
-    in_si: Any = {n: read_amount(n, text, IN_SI[n].unit).value for n, text in texts.items()}
+    in_si: Any = {n: read_positive(n, text, IN_SI[n].unit) for n, text in texts.items()}
     others = {name: value for name, value in changes.items() if name not in texts}
     return replace(device, **in_si), _settings_with(settings, others)
 
@@ -133,7 +135,6 @@ def align(
     settings: Settings | None = None,
     *,
     cores: int | None = None,
-    engine: Engine | None = None,
     **changes: Any,
 ) -> Alignments:
     """Run every device of ``batch`` to its end and estimate the error of its result.
@@ -145,28 +146,24 @@ def align(
         batch: a ``Batch``, a device as ``simulate`` takes it, or a sequence of such devices.
         settings: settings of the runs; the defaults of ``Settings`` if None.
         cores: number of threads, >= 1; all cores by default.
-        engine: "scalar" is the reference engine, one set at a time by Runge-Kutta steps. "batch" is
-            the batch engine, many sets at a time by Taylor series; it needs the consistent
-            readings. By default "batch" where it fits, else "scalar". Results of the two agree
-            within their error estimates.
         **changes: fields of ``Settings`` by name, as ``simulate`` takes them.
 
     Raises:
         TypeError: no batch and no sequence of devices, or a setting of the wrong type.
-        ValueError: an empty batch, fewer than one core, an engine that does not fit, or a setting
-            that is unknown or out of range.
+        ValueError: an empty batch, fewer than one core, or a setting that is unknown or out of
+            range.
     """
     devices = batch if isinstance(batch, Batch) else devices_in(batch)
     if isinstance(devices, Batch) or all(isinstance(each, Parameters) for each in devices):
         own = _settings_with(settings, changes)
-        return many.align(devices, own, cores=cores, engine=engine)  # type: ignore[arg-type]
+        return many.align(devices, own, cores=cores)  # type: ignore[arg-type]
     runs = [as_run(each, settings, changes) for each in devices]
     rows: dict[Settings, list[int]] = {}
     for row, (_, own) in enumerate(runs):
         rows.setdefault(own, []).append(row)
     found: dict[str, Any] = {}
     for own, some in rows.items():
-        part = many.align([runs[row][0] for row in some], own, cores=cores, engine=engine)
+        part = many.align([runs[row][0] for row in some], own, cores=cores)
         for name, column in vars_of(part).items():
             found.setdefault(name, np.empty(len(runs), column.dtype))[some] = column
     chamfered = [each.is_chamfered if isinstance(each, StatedDevice) else None for each in devices]

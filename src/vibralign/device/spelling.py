@@ -2,21 +2,33 @@
 
 import math
 import re
+from collections.abc import Mapping
 
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 _SIGNS = str.maketrans("\u2212\u00a0\u2009\u202f", "-   ")  # minus sign, narrow spaces
-_GROUPED = re.compile(r"(?<![\d.,])[1-9]\d{0,2}(?:[ ,'’_]\d{3})+(?![\d.]*,)(?!\d)")
-_COMMA = re.compile(r"(?<=\d),(?=\d)")
+_GROUPED = re.compile(r"\d[,'’_ ]+\d")  # 0,1 and 15,000 and 15 000
 _RANGES = (r"\s+to\s+", r"\s*(?:[–—…]|\.{2,3})\s*", r"\s+-\s+|(?<=\d)-(?=\d)")
-_LETTER = "[A-Za-zµμ]"
-# Names run together: a force or a mass, then a length, then a time.
-_TOGETHER = re.compile(r"([kMmuµμ]?N|k?g)([mcuµμ]?m)?(m?s)?")
-# Names that have the same meaning in upper and lower case.
+# Names of units with two meanings: a unit for each, and the meaning in words.
+AMBIGUOUS: Mapping[str, Mapping[str, str]] = {
+    "gr": {"g": "gram", "grain": "grain"},
+    "grad": {"deg": "degree", "gon": "gon"},
+}
+_L = "[A-Za-zµμ]"
+# Names run together: a force or a mass, then a length, then a time; for pint Nm is of yarn.
+_TOGETHER = re.compile(rf"(?<!{_L})([kMmuµμ]?N|k?g)([mcuµμ]?m)?(m?s)?(?!{_L})")
+# What engineers write, what pint reads, and a text in the SI unit of the quantities that have it.
+_SPELLINGS: tuple[tuple[str, str, str], ...] = (
+    (r"r\.p\.m\.", "rpm", ""),
+    (r"^\s*/", "1 / ", ""),  # /min
+    (r"\b[mM][iI][lL][sS]?\b", "thou", "m"),  # for pint an angle
+    (r"\b(lb|oz)s?\b", r"\1f", "N"),
+    (r"\b(?i:revs?|r|u|tr)\b", "turn", "Hz"),
+    (r"\b(?i:cpm)\b", "turn / minute", "Hz"),
+    (r"\b(?i:gn?)\b", "standard_gravity", "m/s^2"),
+    (rf"(?<={_L})(-?\d)(?!\d)", r"**\1", ""),  # cm2, m-1
+)
+# Names that have the same meaning in upper and lower case, as have those of more than four letters.
 _CASES = {name.casefold(): name for name in ("Hz", "kHz", "kg", "kN", "rpm", "rad", "deg")}
-_FORCES = {"lb": "lbf", "lbs": "lbf", "oz": "ozf"}  # where the quantity has newtons in its unit
-# Names of a turn and of turns a minute, where the quantity is a frequency.
-_TURNS = {**dict.fromkeys(("rev", "revs", "r", "u", "tr"), "turn"), "cpm": "turn / minute"}
-_GRAVITY = "g", "gn"  # where the quantity is an acceleration
 # Words beside the height of a vibration, and the factor from it to the peak.
 _END = r"(?:pk|peak|p)"
 _HEIGHTS = {
@@ -27,38 +39,34 @@ _HEIGHTS = {
 
 
 def plain(text: str) -> str:
-    """Return ``text`` with ASCII signs and spaces."""
-    return text.translate(_SIGNS)
+    """Return ``text`` with ASCII signs and spaces.
+
+    In an ASCII locale a command line has bytes in place of its other signs.
+    """
+    return text.encode(errors="surrogateescape").decode(errors="replace").translate(_SIGNS)
 
 
-def clearer(text: str) -> str | None:
-    """Return what to write in place of a number with a comma or grouped digits; None for others."""
-    grouped = _GROUPED.search(text)
-    if grouped:
-        whole = _GROUPED.sub(re.sub(r"\D", "", grouped[0]), text).strip()
-        if re.fullmatch(r"\d+,\d+", grouped[0]) and text[grouped.end() :][:1] != ".":
-            decimal = _COMMA.sub(".", text).strip()
-            return f"{whole} if the comma groups thousands, {decimal} if it is decimal"
-        return whole
-    if _COMMA.search(text):
-        return _COMMA.sub(".", re.sub(r"(?<=\d)\.(?=\d+[.,])", "", text)).strip()
-    return None
+def is_grouped(text: str) -> bool:
+    """Return whether a number has a comma, or digits in groups."""
+    return _GROUPED.search(text) is not None
 
 
-def peak(text: str) -> tuple[str, float]:
-    """Return the height of a vibration without "p-p", "rms" and the like, and its factor to peak.
+def peak(text: str) -> tuple[str, str, float]:
+    """Return the height of a vibration without "p-p", "rms" and the like, these, and the factor.
 
     Raises:
         ValueError: it says two different ones.
     """
-    factors = set()
+    found = dict[float, str]()
     for words, factor in _HEIGHTS.items():
-        found = re.compile(rf"(?<=[^\W_])[\s_-]*\(?(?:{words})\)?(?!\w)", re.IGNORECASE)
-        text, count = found.subn("", text)
-        factors |= {factor} if count else set()
-    if len(factors) > 1:
+        height = re.compile(rf"(?<=[^\W_])[\s_-]*\(?(?:{words})\)?(?!\w)", re.IGNORECASE)
+        if said := height.search(text):
+            found[factor] = said[0].strip(" _-()")
+        text = height.sub("", text)
+    if len(found) > 1:
         raise ValueError("states two of peak, peak-to-peak and rms: write one")
-    return text, factors.pop() if factors else 1.0
+    factor, words = next(iter(found.items()), (1.0, ""))
+    return text, words, factor
 
 
 def in_per_cent(value: float) -> str:
@@ -77,22 +85,12 @@ def ends_of(text: str) -> list[str]:
 
 def spelled(own: str, unit: str) -> str:
     """Return the unit ``own`` as pint spells it, for a quantity whose SI unit is ``unit``."""
-    own = re.sub(rf"(?<={_LETTER})-(?={_LETTER})", " ", own.replace("r.p.m.", "rpm"))  # N-m
-    own = re.sub(r"^\s*/", "1 / ", own)  # /min
-    own = re.sub(rf"{_LETTER}+", lambda match: _name(match[0], unit), own)
-    return re.sub(rf"(?<={_LETTER})(-?\d)(?!\d)", r"**\1", own)  # cm2, m-1
+    own = re.sub(rf"(?<={_L})-(?={_L})", " ", own)  # N-m
+    own = _TOGETHER.sub(lambda match: " ".join(filter(None, match.groups())), own)
+    for pattern, replacement, only in _SPELLINGS:
+        own = re.sub(pattern, replacement, own) if only in unit else own
+    return re.sub(rf"{_L}+", lambda match: _cased(match[0]), own)
 
 
-def _name(name: str, unit: str) -> str:
-    """Return one name of a unit as pint spells it."""
-    if name in {"mil", "mils"} and unit == "m":  # for pint an angle
-        return "thou"
-    if "N" in unit and name in _FORCES:
-        return _FORCES[name]
-    if unit == "Hz" and name.lower() in _TURNS:
-        return _TURNS[name.lower()]
-    if unit == "m/s^2" and name.lower() in _GRAVITY:
-        return "standard_gravity"
-    if together := _TOGETHER.fullmatch(name):  # for pint Nm is a fineness of yarn
-        return " ".join(filter(None, together.groups()))
+def _cased(name: str) -> str:
     return name.lower() if len(name) > 4 else _CASES.get(name.casefold(), name)

@@ -1,23 +1,22 @@
-"""Devices in SI units, read from YAML files: quantities, tolerances, base, free ranges, limits."""
+"""Devices in SI units as their files state them: quantities, tolerances, base, ranges, limits."""
 
+import difflib
 import math
+import warnings
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, get_args
-
-import yaml
+from typing import Any
 
 from model.events.scenes import ALIGNMENT
 from model.physics.fields import Bound
-from model.physics.parameters import FIELDS, Parameters, Shape, check_name
-from model.physics.quantities import LENGTH, PLAIN, Quantity
+from model.physics.parameters import FIELDS, Parameters, Shape
+from model.physics.quantities import Quantity
 from model.physics.tables import Value, vars_of
 from model.physics.units import UNITS, Device, Units, device
 from model.runs.settings import Settings
-from model.sweeps import files
-from vibralign.device.amounts import Tolerance, read_amount, read_range
+from vibralign.device.amounts import Amount, Tolerance, read_amount
 from vibralign.device.approach import (
     SPEED,
     SUDDEN,
@@ -27,8 +26,10 @@ from vibralign.device.approach import (
     approaches_to_try,
     read_start,
 )
-from vibralign.device.base import BASE, CENTRE, CENTRE_WORDS, SOURCES, pair_of, with_base
-from vibralign.device.holder import RATIOS, with_damping
+from vibralign.device.base import BASE, pair_of, with_base
+from vibralign.device.fits import play_of
+from vibralign.device.instead import INSTEAD, replaced_by, with_parameters
+from vibralign.device.limits import OF_VIBRATOR, of_vibrator
 from vibralign.device.mouth import (
     CHAMFERS,
     GRIPPER_TILT,
@@ -38,25 +39,16 @@ from vibralign.device.mouth import (
     check_not_replaced,
 )
 from vibralign.device.plausibility import (
-    DeviceError,
-    NoNeedError,
     check_place,
     check_press,
     doubts,
 )
+from vibralign.doubts import DoubtWarning
 
-# Upper limits that a design may have to keep: meaning and SI unit.
-LIMITS: Mapping[str, tuple[str, str]] = {
-    "contact_force": ("largest contact force", "N"),
-    "time": ("longest time until alignment, not until insertion", "s"),
-    "tilt": ("largest tilt until alignment", "rad"),
-}
-# Limit "vibration" of a design: the share of devices that must not align without vibration.
-VIBRATION: Mapping[str, float] = {"needed": 1.0, "not needed": 0.0}
 _OWN = {**{n: each for n, each in FIELDS.items() if n not in REPLACED}, **UNITS, **MOUTH}
-QUANTITIES = (*UNITS, *(n for n in _OWN if n not in UNITS), *RATIOS, *BASE, CENTRE)
+QUANTITIES = (*UNITS, *(n for n in _OWN if n not in UNITS), *INSTEAD, *BASE)
 FOLLOWED = "a part with chamfers is followed until its face has reached them, no further"
-_BESIDES = ("materials", "free", "limits", "vibrator", "shape")
+BESIDES = ("materials", "fit", "free", "limits", "vibrator", "shape")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -78,6 +70,8 @@ class StatedDevice(Value):
         horizon: latest time of its runs in s, or None for that of the settings in units of 1/p.
         insertion_depth: depth in m at which it counts as inserted, or None for the default.
         notes: lines on words of the file that ``changes`` may have made mean something else.
+        written: the unit in which a quantity is stated, such as "mm p-p", and its size in SI units;
+            of those that are stated with one.
     """
 
     source: Path
@@ -93,6 +87,7 @@ class StatedDevice(Value):
     horizon: float | None = None
     insertion_depth: float | None = None
     notes: tuple[str, ...] = ()
+    written: Mapping[str, tuple[str, float]] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         changes = "".join(f", {name}={value}" for name, value in self.changes.items())
@@ -160,16 +155,16 @@ class StatedDevice(Value):
 
     def resolved(self, changes: Mapping[str, float]) -> dict[str, float]:
         """Return the parameters in SI units, and the units, with ``changes`` of quantities."""
-        stated = None if "materials" in _replaced_by(changes) else self.materials
+        stated = None if "materials" in replaced_by(changes) else self.materials
         pair = None if stated is None else pair_of(stated)
         return with_base(as_parameters(self._of_part(changes)), pair, self.shape)
 
     def _of_part(self, changes: Mapping[str, float]) -> dict[str, float]:
         """Return the quantities with ``changes``, of the holder and the part as ``MOUTH`` is."""
-        replaced = _replaced_by(changes)
+        replaced = replaced_by(changes)
         kept = {name: v for name, v in self.quantities.items() if name not in replaced}
         approach = {} if self.sudden else {SPEED: USUAL}
-        return _of_holder_and_part({**approach, **kept, **changes})
+        return with_parameters({**approach, **kept, **changes})
 
     def approaches(self, varied: Collection[str] = ()) -> tuple[Approach, ...]:
         """Return the approaches that it meets: the stated one, or those to try; none if sudden.
@@ -203,17 +198,19 @@ class StatedDevice(Value):
             if name not in ("vibrator", SPEED):
                 check_quantity(name)
         vibrator, sudden = read_start(self.stated_start | changes)
-        values, tolerances = _amounts(changes, self.quantities.get("frequency"))
-        replaced = _replaced_by(changes) | ({SPEED} if sudden else set())
+        changed = by_quantity(amounts_of(changes, self.quantities.get("frequency")))
+        replaced = replaced_by(changes) | ({SPEED} if sudden else set())
+        merged: dict[str, Any] = {
+            part: {n: v for n, v in getattr(self, part).items() if n not in replaced} | values
+            for part, values in changed.items()
+        }
+        materials = None if "materials" in replaced else self.materials
+        all_changes: dict[str, object] = {**self.changes, **changes}
+        kept = kept_amplitude(self.quantities, self.written, changes)
+        notes = tuple(dict.fromkeys([*self.notes, *kept]))
+        start: dict[str, Any] = {"vibrator": vibrator, "sudden": sudden}
         return replace(
-            self,
-            quantities={n: v for n, v in self.quantities.items() if n not in replaced} | values,
-            tolerances={n: each for n, each in self.tolerances.items() if n not in replaced}
-            | tolerances,
-            materials=None if "materials" in replaced else self.materials,
-            vibrator=vibrator,
-            sudden=sudden,
-            changes={**self.changes, **changes},
+            self, **merged, **start, materials=materials, changes=all_changes, notes=notes
         )
 
     @property
@@ -252,90 +249,35 @@ class StatedDevice(Value):
         """True if the file states how stiff the base is."""
         return self.materials is not None or "contact_stiffness" in self.quantities
 
+    def warn(self, at: Mapping[str, float] | None = None) -> None:
+        """Warn of what is doubtful, or of what is so only with the values ``at`` of an axis."""
+        found = self.doubts
+        if at is not None:
+            there = self.changed(**at).doubts
+            place = ", ".join(f"{name} = {value:.4g} {unit_of(name)}" for name, value in at.items())
+            found = [f"at {place}: {doubt}" for doubt in there if doubt not in found]
+        for doubt in found:
+            warnings.warn(f"{self.source}: {doubt}", DoubtWarning, stacklevel=3)
+
+    @property
+    def fixture(self) -> float:
+        """Stiffness in N/m in series with the base; infinite where none is stated."""
+        return self.quantities.get("fixture_stiffness", math.inf)
+
     @property
     def doubts(self) -> list[str]:
         """Lines on values that are possible but probably not meant."""
-        cut_off = [
-            f"{name} = {self.quantities[name]:.4g} ± {each.around(self.quantities[name]):.4g}: the "
-            "tolerance reaches below 0, where it is cut off"
-            for name, each in self.tolerances.items()
-            if each.kind == "uniform"
-            and each.around(self.quantities[name]) > abs(self.quantities[name])
-            and bound_of(name)
-        ]
         found = doubts({**self.values, **self.quantities}, self.device, self.shape)
+        drive = of_vibrator(self.units.amplitude, self.quantities["frequency"])
+        for name in (each for each in OF_VIBRATOR if each in self.limits):
+            if drive[name] > self.limits[name]:
+                found.append(f"the vibration exceeds the vibrator's limit of {name}")
         if self.stated_shape is None:
             found.append(
                 "shape is not stated: taken as round, a peg in a round hole; state shape: round, "
                 "or shape: square for a plane part beside a slot"
             )
-        return [*self.notes, *found, *cut_off]
-
-
-def _of_holder_and_part(quantities: Mapping[str, float]) -> dict[str, float]:
-    """Return quantities with dampings in place of ratios, and half_height of centre_height."""
-    found = with_damping(quantities)
-    if CENTRE in found:
-        found["half_height"] = found.pop(CENTRE)
-    return found
-
-
-def _replaced_by(changes: Iterable[str]) -> set[str]:
-    """Return the quantities from which those in ``changes`` would be computed."""
-    from_others = {
-        n: (*SOURCES.get(n, ()), *((RATIOS[n],) if n in RATIOS else ())) for n in changes
-    }
-    return {each for others in from_others.values() for each in others} - set(changes)
-
-
-def load_device(path: Path | str, changes: Mapping[str, object] | None = None) -> StatedDevice:
-    """Return the device in a YAML file as it is stated.
-
-    Args:
-        path: file with lines NAME: VALUE, in SI units or with units.
-        changes: quantities by name that replace the file's, numbers in SI units or text with
-            units. A changed quantity keeps its tolerance unless the text states another. A
-            stiffness or damping also replaces the quantities from which it would be computed, a
-            damping ratio the damping.
-
-    Raises:
-        DeviceError: the file cannot be read, is not YAML, breaks a rule, or makes no sense.
-        NoNeedError: it is a valid device, which needs no alignment.
-    """
-    path, changes = Path(path), {} if changes is None else changes
-    replaced = _replaced_by(changes) | ({SPEED} if changes.get(SPEED) == SUDDEN else set())
-    mapping = {name: value for name, value in _mapping(path).items() if name not in replaced}
-    try:
-        vibrator, sudden = read_start({**mapping, **changes})
-        at = _one_frequency(mapping)
-        values, tolerances = _amounts(mapping, at)
-        changed, others = _amounts(changes, _one_frequency({**mapping, **changes}))
-        materials = changes.get("materials", mapping.get("materials"))
-        stated = StatedDevice(
-            source=path,
-            quantities={**values, **changed},
-            tolerances={**tolerances, **others},
-            materials=None if materials is None else str(materials),
-            free={n: read_range(n, v, unit_of(n), at) for n, v in _section("free", mapping)},
-            limits=_limits(mapping),
-            changes=dict(changes),
-            vibrator=vibrator,
-            sudden=sudden,
-            stated_shape=mapping.get("shape"),
-            notes=_kept_amplitude(mapping, values, changes),
-        )
-        if mapping.get("shape") is not None:
-            check_name(str(mapping["shape"]), get_args(Shape), "shape")
-        # Refuses unknown and missing quantities, before anything is computed from them.
-        known = {n: v for n, v in stated.quantities.items() if n not in BASE}
-        device(as_parameters(_of_holder_and_part(known)))
-        stated.admitted({})
-        _check_tolerances(stated)
-        _check_free(stated)
-    except ValueError as error:
-        needless = isinstance(error, NoNeedError)
-        raise (NoNeedError if needless else DeviceError)(f"{path}: {error}") from None
-    return stated
+        return [*self.notes, *found]
 
 
 def unit_of(name: str) -> str:
@@ -356,130 +298,71 @@ def quantity_of(name: str) -> tuple[str, Quantity, str]:
     check_quantity(name)
     if name in _OWN:
         return _OWN[name].description, _OWN[name].quantity, _OWN[name].symbol
-    if name in RATIOS:
-        return f"damping ratio, in place of {RATIOS[name]}", PLAIN, ""
-    words, unit = BASE.get(name, (CENTRE_WORDS, LENGTH.unit))
-    return words, LENGTH if unit == LENGTH.unit else PLAIN, ""
+    if name in INSTEAD:
+        each = INSTEAD[name]
+        return f"{each.description}, in place of {each.parameter}", each.quantity, ""
+    return *BASE[name], ""
 
 
 def bound_of(name: str) -> Bound:
     """Return the admissible range of a quantity of a device."""
-    return _OWN[name].bound if name in _OWN else "> 0"
+    return (_OWN | INSTEAD)[name].bound if name not in BASE else "> 0"  # type: ignore[operator]
 
 
 def check_quantity(name: str) -> None:
     """Refuse a name that is no quantity of a device; of an old one, say what to write instead."""
     check_not_replaced(name)
-    check_name(name, QUANTITIES, "quantity of a device")
+    if name not in QUANTITIES:
+        near = difflib.get_close_matches(name, QUANTITIES, n=1)
+        hint = f"Did you mean {near[0]!r}? " if near else ""
+        raise ValueError(
+            f"unknown quantity of a device {name!r}. {hint}`vibralign new FILE` writes a file with "
+            "those that a device has, `vibralign simulate --help` lists all"
+        )
 
 
-class _Loader(files.Loader):  # type: ignore[misc]
-    """Loader of YAML that leaves numbers as text: for YAML 050 is 40, and 1:30 is 90."""
-
-    yaml_implicit_resolvers = {  # noqa: RUF012 - never changed
-        first: [each for each in resolvers if each[0].rpartition(":")[2] in {"bool", "null"}]
-        for first, resolvers in yaml.SafeLoader.yaml_implicit_resolvers.items()
-    }
-
-
-def _mapping(path: Path) -> dict[str, Any]:
-    try:
-        mapping = files.parse_yaml(files.read_text(path), _Loader)
-    except OSError as error:
-        raise DeviceError(f"{path}: cannot be read: {error.strerror}") from None
-    except (ValueError, yaml.YAMLError, TypeError) as error:
-        reason = " ".join(str(error).split())
-        raise DeviceError(f"{path}: cannot be read as YAML: {reason}") from None
-    if not isinstance(mapping, dict):
-        raise DeviceError(f"{path}: must be lines of NAME: VALUE, one for each quantity")
-    return {str(name): value for name, value in mapping.items()}
-
-
-def _kept_amplitude(
-    mapping: Mapping[str, Any], values: Mapping[str, float], changes: Mapping[str, object]
+def kept_amplitude(
+    values: Mapping[str, float], written: Mapping[str, tuple[str, float]], changes: Iterable[str]
 ) -> tuple[str, ...]:
-    """Return a line if the file's amplitude is an acceleration at a frequency that is changed."""
-    if "frequency" not in changes or "amplitude" not in values or "amplitude" in changes:
+    """Return a line if an amplitude is stated by an acceleration, and the frequency is changed."""
+    unit, one = written.get("amplitude", ("", 1.0))
+    if not unit or "frequency" not in changes or "amplitude" in changes:
         return ()
-    given, kept = mapping["amplitude"], values["amplitude"]
-    if math.isclose(read_amount("amplitude", given, "m", 1.0).value, kept):
-        return ()
-    at, now = f"{values['frequency']:.4g} Hz", changes["frequency"]
-    words = f"amplitude = {given} is {1e3 * kept:.4g} mm at {at}, and stays so at frequency = {now}"
-    return (f"{words}: set amplitude, too, if the acceleration is to stay",)
+    try:
+        read_amount("amplitude", f"1 {unit}", "m")
+    except ValueError:  # a velocity or an acceleration
+        kept, at = values["amplitude"], values["frequency"]
+        words = f"amplitude = {kept / one:.4g} {unit} is {1e3 * kept:.4g} mm at {at:.4g} Hz, and "
+        words += "stays so at another frequency: set amplitude, too, if the acceleration is to stay"
+        return (words,)
+    return ()
 
 
-def _one_frequency(mapping: Mapping[str, Any]) -> float | None:
-    """Return the frequency in Hz, or None if it is missing, free or has a tolerance."""
-    if mapping.get("frequency") is None or "frequency" in dict(_section("free", mapping)):
-        return None
-    amount = read_amount("frequency", mapping["frequency"], "Hz")
-    return None if amount.tolerance else amount.value
-
-
-def _amounts(
-    given: Mapping[str, object], frequency: float | None
-) -> tuple[dict[str, float], dict[str, Tolerance]]:
-    """Return values and tolerances of what is ``given`` besides ``_BESIDES``, in SI units."""
+def amounts_of(
+    given: Mapping[str, object], frequency: float | None, diameter: float | None = None
+) -> dict[str, Amount]:
+    """Return the amounts of what is ``given`` besides ``BESIDES``; the play of a fit, too."""
     amounts = {
         name: read_amount(name, value, unit_of(name), frequency)
         for name, value in given.items()
-        if name not in _BESIDES and value != SUDDEN
+        if name not in BESIDES and value != SUDDEN
     }
-    tolerances = {n: each.tolerance for n, each in amounts.items() if each.tolerance is not None}
-    return {name: each.value for name, each in amounts.items()}, tolerances
+    if given.get("fit") is not None:
+        low, high = play_of(given["fit"], diameter or 0.0)
+        if low + high <= 0.0:
+            raise ValueError(
+                f"fit = {given['fit']!r}: has a play of {1e6 * low:.3g} to {1e6 * high:.3g} µm, an "
+                "interference or none for half of the pairs: it is not modelled"
+            )
+        half = Tolerance("uniform", 0.5 * (high - low))
+        amounts["play"] = Amount(0.5 * (low + high), half, "mm", 1e-3)
+    return amounts
 
 
-def _section(name: str, mapping: Mapping[str, Any]) -> Iterable[tuple[str, object]]:
-    given = mapping.get(name, {})
-    if not isinstance(given, dict):
-        raise ValueError(f"{name} = {given!r}: must be lines of NAME: VALUE")  # noqa: TRY004
-    return [(str(key), value) for key, value in given.items()]
-
-
-def _limits(mapping: Mapping[str, Any]) -> dict[str, float]:
-    limits = {}
-    for name, value in _section("limits", mapping):
-        check_name(name, (*LIMITS, "vibration"), "limit of a design")
-        if name == "vibration":
-            if value not in VIBRATION:
-                words = " or ".join(VIBRATION)
-                raise ValueError(f"limits: vibration = {value!r}: must be {words}")
-            limits[name] = VIBRATION[str(value)]
-            continue
-        limits[name] = read_amount(name, value, LIMITS[name][1]).value
-        if not 0.0 < limits[name] < math.inf:
-            rule = f"must be a finite number > 0, the {LIMITS[name][0]}"
-            raise ValueError(f"limits: {name} = {value!r}: {rule}")
-    return limits
-
-
-def _check_tolerances(stated: StatedDevice) -> None:
-    """Refuse tolerances without effect, or within which the part starts wholly beside the hole."""
-    if "phase" in stated.tolerances:
-        raise ValueError("phase: a tolerance has no effect, since every phase is tried")
-    for name, each in stated.tolerances.items():
-        if each.end(stated.quantities[name]) == 0.0:
-            raise ValueError(f"{name}: a tolerance in per cent of 0 has no effect: write an amount")
-    worst = {}
-    for name, sign in (("half_width", -1.0), ("clearance", -1.0), ("misalignment", 1.0)):
-        if name in stated.tolerances:
-            own = stated.quantities[name]
-            spread = stated.tolerances[name].around(own)
-            spread *= 1.0 if stated.tolerances[name].kind == "uniform" else 4.0
-            worst[name] = max(own + sign * spread, 1e-3 * own)
-    try:
-        stated.at(worst)
-    except ValueError as error:
-        raise ValueError(f"at the ends of the tolerances: {error}") from None
-
-
-def _check_free(stated: StatedDevice) -> None:
-    """Refuse ranges with an end that breaks the rule of its quantity."""
-    for name, ends in stated.free.items():
-        for end in ends:
-            try:
-                check_press(end if name == "press_force" else 1.0)
-                stated.at({name: end})
-            except ValueError as error:
-                raise ValueError(f"free: {error}") from None
+def by_quantity(amounts: Mapping[str, Amount]) -> dict[str, dict[str, Any]]:
+    """Return values, tolerances and units of amounts, as ``StatedDevice`` has them."""
+    return {
+        "quantities": {name: each.value for name, each in amounts.items()},
+        "tolerances": {n: each.tolerance for n, each in amounts.items() if each.tolerance},
+        "written": {n: (each.unit, each.one) for n, each in amounts.items() if each.unit},
+    }

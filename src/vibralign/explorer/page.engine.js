@@ -1,10 +1,10 @@
-// The engines: WebAssembly modules compiled from the same kernels that Python runs.
+// The engine: a WebAssembly module compiled from the same kernels that Python runs.
 
 /**
  * @typedef {{name: string, length: number | "sets" | "rows", size: number}} Argument
  * @typedef {{stack: number, arguments: Argument[]}} Layout
  * @typedef {{parameters: string[], columns: string[], results: string[], limits: string[],
- *   defaults: number[], events: string[], functions: Record<string, Layout>}} Interface
+ *   defaults: number[], events: string[]} & Layout} Interface
  * @typedef {{results: Float64Array, track: Float64Array}} Found
  * @typedef {(sets: number[][], control: Record<string, number>, rows?: number) => Found} Engine
  */
@@ -20,12 +20,12 @@ async function unpacked(text) {
 }
 
 /**
- * Return an engine. `run_one` also fills a track of `rows` rows; `run_many` takes any number of sets.
- * @param {BufferSource} binary @param {string} name @param {Interface} about @returns {Promise<Engine>}
+ * Return the engine. It takes any number of sets, or one set and a track of `rows` rows to fill.
+ * @param {BufferSource} binary @param {Interface} about @returns {Promise<Engine>}
  */
-async function engineOf(binary, name, about) {
+async function engineOf(binary, about) {
   const memory = new WebAssembly.Memory({ initial: 4 });
-  const { stack, arguments: layout } = about.functions[name];
+  const { stack, arguments: layout } = about;
   const { instance } = await WebAssembly.instantiate(binary, {
     env: {
       __linear_memory: memory,
@@ -62,6 +62,6 @@ async function engineOf(binary, name, about) {
     sets.forEach((set, n) => found("given").set(set, n * about.parameters.length));
     about.limits.forEach((each, n) => { found("limits")[n] = control[each] ?? about.defaults[n]; });
     run(words, stack);
-    return { results: found("results").slice(), track: found("track") };
+    return { results: found("results").slice(), track: found("memory.track") };
   };
 }

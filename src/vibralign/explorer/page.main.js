@@ -255,10 +255,10 @@ async function start() {
   } else {
     for (const [name, each] of Object.entries(MODEL.maps)) stored[name] = Object.assign(await storedMap(each), { values: /** @type {any} */ (each).values });
     try {
-      const binary = await unpacked(MODEL.modules.run_one);
-      runner = new Runner(await engineOf(binary, "run_one", about), binary, MODEL);
+      const binary = await unpacked(MODEL.engine);
+      runner = new Runner(await engineOf(binary, about), binary, MODEL);
       rerun();
-      mapper = new Mapper(await unpacked(MODEL.modules.run_many), about, MODEL.worker, (found, done) => {
+      mapper = new Mapper(binary, about, MODEL.worker, (found, done) => {
         map = found;
         if (done && !measured.map) measured.map = performance.now() - mapStarted;
         if (!mapFrame) mapFrame = requestAnimationFrame(() => { mapFrame = 0; drawWholeMap(); });

@@ -105,7 +105,7 @@ class Mapper {
     const worker = new Worker(this.url);
     worker.onmessage = (message) => this.receive(worker, message.data);
     worker.onerror = (error) => stuck("This browser starts no Worker here: no map is computed", error);
-    worker.postMessage({ binary: this.binary, about: this.about, name: "run_many" });
+    worker.postMessage({ binary: this.binary, about: this.about });
   }
 
   /** Replace the workers that have long been busy with a replaced map. */

@@ -13,8 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from model.runs.in_browser import Modules
-from model.runs.trace import COLUMNS, Trace
+from model.engine.track import COLUMNS
+from model.runs.in_browser import Module
+from model.runs.trace import Trace
 
 SCRIPTS = (
     "engine", "amounts", "state", "drawing", "plots", "map", "words", "runs", "controls", "main"
@@ -29,16 +30,15 @@ def packed(data: bytes) -> str:
     return base64.b64encode(gzip.compress(data, 9, mtime=0)).decode()
 
 
-def build_page(model: Mapping[str, Any], modules: Modules | None) -> str:
-    """Return the page of a model (content.py), with the engines unless it only shows a run."""
-    engines: dict[str, Any] = {}
-    if modules is not None:
-        binaries = {"run_one": modules.run_one, "run_many": modules.run_many}
-        engines = {
-            "modules": {name: packed(binary) for name, binary in binaries.items()},
+def build_page(model: Mapping[str, Any], module: Module | None) -> str:
+    """Return the page of a model (content.py), with the engine unless it only shows a run."""
+    engine: dict[str, Any] = {}
+    if module is not None:
+        engine = {
+            "engine": packed(module.binary),
             "worker": "\n".join(_text(f"page.{name}.js") for name in _WORKER),
         }
-    stated = json.dumps({**model, **engines}, ensure_ascii=False, allow_nan=False)
+    stated = json.dumps({**model, **engine}, ensure_ascii=False, allow_nan=False)
     parts = {
         "title": html.escape(model["title"]),
         "footer": html.escape(model["footer"]),

@@ -45,7 +45,7 @@ class Runner {
       this.stop(name);
       done(runOf(data, this.about));
     };
-    worker.postMessage({ binary: this.binary, about: this.about, name: "run_one" });
+    worker.postMessage({ binary: this.binary, about: this.about });
     worker.postMessage({ chunk: { sets: [set], control, rows: MOST_ROWS } });
     return false;
   }

@@ -4,9 +4,9 @@
 let workerEngine;
 
 self.onmessage = async (/** @type {MessageEvent} */ message) => {
-  const { binary, about, name, chunk } = message.data;
+  const { binary, about, chunk } = message.data;
   if (binary) {
-    workerEngine = engineOf(binary, name, about);
+    workerEngine = engineOf(binary, about);
     await workerEngine;
     self.postMessage({ ready: true });
     return;

@@ -1,4 +1,4 @@
-"""Curves: Figs. 6 to 12 over one parameter, the runs of the claims, and the front of a design.
+"""Curves: Figs. 6 to 12 over one parameter, the runs of the claims, and the settings of a design.
 
 Where a part does not align there is no duration. The curve has a gap, and a strip below the curves
 marks the gap, so that it is not taken for missing data.
@@ -17,6 +17,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from model.events.outcomes import Outcome
+from vibralign.answers.si import readable
 from vibralign.plots import style
 from vibralign.plots.style import Bools, Floats
 
@@ -259,28 +260,30 @@ def _draw_bands(axes: Axes, index: int, points: tuple[Floats, Floats], aligned: 
         axes.plot(along, level, label=f"_aligns {index}", color=colour, **_BAND)
 
 
-def draw_front(dataset: xr.Dataset) -> Figure:
-    """Draw margin over alignment time for all settings of a design with which every device goes in.
+def draw_settings(dataset: xr.Dataset, why: str = "") -> Figure:
+    """Draw the settings of a design over its first two free quantities; over one, with the margin.
 
-    A line joins the Pareto front; a star is the recommended setting.
+    Colours say what was found; a star is the recommended setting. ``why`` says why there is none.
     """
-    time, margin = 1e3 * dataset["time"].values, dataset["margin"].values
-    all_in = dataset["share"].values == 1.0
-    front = np.flatnonzero(dataset["front"].values)
-    front = front[np.argsort(time[front])]
-    best = int(dataset.attrs["recommended"])
+    names = [str(name) for name in dataset.data_vars if str(name).startswith("setting_")]
+    x, y = readable(dataset)[names[0]], readable(dataset)[names[1] if names[1:] else "margin"]
+    all_in, best = dataset["share"].values == 1.0, int(dataset.attrs["recommended"])
+    kept = dataset["within"].values == 1
     with style.context():
-        figure = style.new_figure(height=9.0 * style.CENTIMETRE)
+        figure = style.new_figure(height=10.0 * style.CENTIMETRE)
         axes = figure.subplots()
-        for chosen, mark, look in (
-            (all_in, "o", {"color": style.SKY_BLUE, "markersize": 3, "label": "tried"}),
-            (front, "-s", {"color": style.VERMILLION, "label": "front, within the limits",
-                           "drawstyle": "steps-post"}),
-            ([best], "*", {"color": style.BLACK, "markersize": 12, "label": "chosen"}),
-        ):  # fmt: skip
-            axes.plot(time[chosen], margin[chosen], mark, **look)
-        axes.set_xlabel("longest alignment time within the tolerances (ms)")
-        axes.set_ylabel("nearest failure (tolerances)")
-        axes.set_ylim(bottom=0.0, top=3.2)
-        axes.legend(loc="lower right")
+        for chosen, mark, colour, words in (
+            (~all_in, "x", style.GREY, "does not go in, or not with all tolerances"),
+            (all_in & ~kept, "o", style.ORANGE, "goes in, exceeds a limit"),
+            (kept, "o", style.BLUE, "goes in and keeps the limits, by a quick trial"),
+        ):
+            axes.plot(x[chosen], y[chosen], mark, color=colour, markersize=4, label=words)
+        words = "nearest to it" if why else "recommended"
+        axes.plot(x[best], y[best], "*", color=style.VERMILLION, markersize=13, label=words)
+        for set_label, each in ((axes.set_xlabel, x), (axes.set_ylabel, y)):
+            words = each.attrs["long_name"].removeprefix("setting: ")
+            set_label(f"{words} ({each.attrs['units']})".removesuffix(" (1)"))
+        if why:
+            axes.set_title(f"Nothing found, because {why}")
+        axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=2)
         return figure

@@ -1,4 +1,4 @@
-"""Runs of the scalar engine from any state, on parts that reduce to a closed form.
+"""Runs of the engine from any state, on parts that reduce to a closed form.
 
 The parameters reduce the part: without friction, flat and with the edge A1 under its mass centre it
 is a ball; with an immense inertia it cannot tilt; a weak spring that is relaxed far away pulls it
@@ -12,22 +12,16 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from model.compile.entries import bound, compiled
-from model.engine.lifecycle import NOISE, Control, begin
 from model.engine.record import AT, MODE, STATE
-from model.engine.scalar import loop
-from model.engine.scalar.loop import TRACK_COLUMNS, new_scalar_memory
-from model.engine.scalar.step import interpolate
 from model.events.kernels import in_kernels
 from model.events.outcomes import Outcome, Reason
 from model.events.transitions import CONTINUES
 from model.physics.modes import CLOSED, OPEN, START, Mode
 from model.physics.notation import State
 from model.physics.parameters import Shape
-from tests.model.engine.steps import Steps
+from tests.model.engine.steps import OneRun
 from vibralign import ALIGNMENT, Batch, Parameters, Scene, Variants
 
-advance = compiled(loop.advance)
 LOCKED = 1e12
 """An inertia so large that no moment of these scenes turns the part."""
 
@@ -67,23 +61,18 @@ class SteppedRun:
         row = Batch.stack([parameters]).constants(Variants.consistent())[0]
         events = in_kernels(scene, shape == "round")
         self.p = events.events.constants(*row.tolist())._replace(**changes)
-        row = np.array(self.p)
         self.parameters, self.steps = parameters, []
-        single = new_scalar_memory()
         # Only in the slot may a run settle.
-        noise = NOISE * tolerance * (scene is not ALIGNMENT)
-        control = Control(horizon, 50_000_000, noise, alignment_only=0.0, start=0.0)
-        runs, track = single.runs, np.empty((0, TRACK_COLUMNS))
-        begin(row, tolerance, events, control, runs, 0)
+        run = OneRun(
+            self.p, scene, tolerance=tolerance, horizon=horizon, settles=scene is not ALIGNMENT
+        )
+        runs = run.memory.runs
         if state is not None:
-            runs[0, AT.outcome], runs[0, AT.reason] = CONTINUES, 0.0
-            runs[0, STATE : STATE + 6] = state
-            runs[0, MODE : MODE + len(mode)] = mode
+            run.put(state, mode)
             runs[0, AT.tau_align] = tau_align
-        step = bound(advance, events, control, track, single.history, single.work, runs, 0)
         begun = _present(runs)
         while runs[0, AT.outcome] == CONTINUES:
-            step()
+            run.advance()
             ended = _present(runs)
             self.steps.append(Step(*begun, *ended))
             begun = ended
@@ -118,11 +107,13 @@ class SteppedRun:
         ]  # fmt: skip
 
     def places(self, step: Step, fractions: np.ndarray) -> list[tuple[float, State]]:
-        """(time, state) at fractions of a step, by its dense output."""
-        taken, length = Steps(self.p), step.end - step.time
-        taken.dense_step(step.time, length, step.state, step.mode)
+        """(time, state) at fractions of a step, by its series."""
+        taken, length = OneRun(self.p), step.end - step.time
+        taken.put(step.state, step.mode, step.time)
+        made = taken.step(length)
+        assert made >= length * (1.0 - 1e-9)
         return [
-            (step.time + theta * length, interpolate(theta, length, step.state, taken.dense))
+            (step.time + theta * length, State(*taken.at(theta * length / made)))
             for theta in fractions
         ]
 

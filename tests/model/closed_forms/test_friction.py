@@ -79,10 +79,12 @@ def creep(stepped_run, device):
         )  # fmt: skip
         place = edge_place(RIGHT_EDGE, x, y, TILT, run.p).along_face
         assert abs(place) < 1e-3
-        ends = run.time[np.searchsorted(run.time, (periods - last) * PERIOD - 1e-9)]
-        assert ends == pytest.approx((periods - last) * PERIOD, abs=1e-12)  # steps end at periods
-        along = run.state[:, 0] * cos(TILT) + run.state[:, 1] * sin(TILT)
-        moved = along[-1] - along[run.time == ends][0]
+        begin = (periods - last) * PERIOD
+        step = next(each for each in run.steps if each.end > begin)
+        part = (begin - step.time) / (step.end - step.time)
+        ((_, q),) = run.places(step, np.array([part]))
+        way = run.state[-1, :2] - (q.x, q.y)
+        moved = way[0] * cos(TILT) + way[1] * sin(TILT)
         return moved / (last * PERIOD) * CREEP_FREQUENCY
 
     return make

@@ -22,8 +22,8 @@ def test_after_100000_periods_the_phase_is_still_right(device):
     )  # fmt: skip
     horizon = (1e5 + 0.3) * 2 * pi / frequency
     settings = Settings(horizon=horizon, may_settle=False, tolerance=1e-9)
-    rows = settings.rows(Batch.stack([p]))
-    result, state = last_state(settings, rows, np.array([settings.tolerance]))
+    (row,) = settings.rows(Batch.stack([p]))
+    result, state = last_state(settings, row, settings.tolerance)
     assert Outcome(int(result.outcome)) is Outcome.HORIZON_REACHED
     wave = -1.0 / complex(101.0 - frequency**2, frequency * (1.0 + p.axial_damping))
     wave *= np.exp(1j * frequency * horizon)

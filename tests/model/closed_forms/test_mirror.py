@@ -50,8 +50,12 @@ def test_a_mirrored_run_is_the_mirror_image(stepped_run, device, changes, least,
     )
     assert sum(step.mode != step.end_mode for step in common) >= least
     assert any(step.end_mode.corner != OPEN for step in common) is lands
-    for one, other in zip(common, left.steps, strict=False):
+    # A step's length depends on the places of both sides, which round differently.
+    events, others = (
+        [step for step in steps if step.mode != step.end_mode] for steps in (common, left.steps)
+    )
+    for one, other in zip(events, others, strict=False):
         assert what_matters(other.end_mode) == what_matters(mirrored(one.end_mode))
-        assert other.end == one.end
-        assert np.array_equal(FLIP * other.end_state, one.end_state)
-    assert len(left.steps) >= len(common)
+        assert other.end == pytest.approx(one.end, abs=1e-9)
+        assert FLIP * other.end_state == pytest.approx(one.end_state, abs=1e-8)
+    assert len(others) >= len(events)

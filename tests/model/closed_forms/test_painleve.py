@@ -65,7 +65,7 @@ def test_where_there_is_a_paradox_a_compliant_base_still_has_one_answer(device, 
     run = simulate(p, horizon=10.0)
     assert np.isfinite(run.state).all()
     assert run.outcome is Outcome.ALIGNED
-    solution = solve(p, run.tau_align + 1.0, tolerance=1e-10)
+    solution = solve(p, run.tau_align + 1.0, tolerance=1e-13)
     assert solution.tau == pytest.approx(run.tau_align, abs=10.0 * run.tau_error)
     assert not run.sensitive
 

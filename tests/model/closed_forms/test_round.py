@@ -24,9 +24,8 @@ def bare(device):
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("engine", ["scalar", "batch"])
 @pytest.mark.parametrize("tilt", [1e-3, 0.03, 0.1])
-def test_the_press_alone_tilts_a_part_up_to_the_largest_misalignment(bare, engine, tilt):
+def test_the_press_alone_tilts_a_part_up_to_the_largest_misalignment(bare, tilt):
     """The mass centre is right over the tips at √(l² - a² + (b tan φ)²).
 
     The part falls back or tilts on, exponentially. On this base it stands 1e-5 deep, which moves
@@ -35,7 +34,7 @@ def test_the_press_alone_tilts_a_part_up_to_the_largest_misalignment(bare, engin
     largest = hypot(sqrt(1.04**2 - 1.0), 4.0 * tan(tilt))
     shares = np.array([0.98, 1.02])
     parts = Batch.of(bare.replace(initial_tilt=tilt), misalignment=shares * largest)
-    found = align(parts, engine=engine, shape="round", horizon=20.0)
+    found = align(parts, shape="round", horizon=20.0)
     assert (found.tilt_max > 1.2 * tilt).tolist() == [True, False]
     assert found.outcome[1] != Outcome.ALIGNED
 

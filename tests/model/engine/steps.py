@@ -1,105 +1,115 @@
-"""Steps of DOP853 in the alignment scene, for tests that take them one at a time.
-
-A call takes the time of its arguments: constants are passed as an array, and a kernel does all that
-one call may do.
-"""
+"""One run, step by step: for tests that look into steps, or that begin in a state of their own."""
 
 import numpy as np
 
 from model.compile.entries import compiled
 from model.compile.kernels import kernel
-from model.engine.record import constants_in
-from model.engine.scalar import location, step
-from model.engine.scalar.location import NODES
-from model.engine.scalar.tableaux import DOP853
+from model.compile.vector_code import WIDTH
+from model.engine import event_search, scheduling, workspace
+from model.engine.lane_events import kind_of, lane_events_of
+from model.engine.lifecycle import NOISE, Control, begin
+from model.engine.record import AT, MODE, STATE, mode_of
+from model.engine.scheduling import new_memory
+from model.engine.series_kernels import missing_series
 from model.events import friction, kernels
-from model.events.kernels import MOST_SAMPLES, events_of
+from model.events.kernels import events_of, in_kernels
+from model.events.transitions import CONTINUES
 from model.physics.notation import State
-from vibralign import ALIGNMENT
+from vibralign import ALIGNMENT, Scene
 
 ALIGNMENT_EVENTS = events_of(ALIGNMENT.events)
-interpolate = compiled(step.interpolate)
+state_at = compiled(event_search.state_at)
 
 
 @compiled
 @kernel
-def take_step(events, time, h, y, row, mode, k, end):
-    p = constants_in(events, row)
-    step.right_hand_side(time, y, p, mode, k[0])
-    step.take_step(time, h, y, p, mode, k, end)
+def missing_in(lanes, memory):
+    kind = kind_of(lanes, mode_of(memory.runs, 0))
+    return missing_series(lanes, kind, False, memory.addresses)
 
 
 @compiled
 @kernel
-def take_dense_step(events, time, h, y, row, mode, k, end, trial, dense):
-    p = constants_in(events, row)
-    step.right_hand_side(time, y, p, mode, k[0])
-    step.take_step(time, h, y, p, mode, k, end)
-    step.dense_output(time, h, y, p, mode, k, trial, dense)
+def step(lanes, control, memory):
+    memory.together[0] = 0
+    kind = kind_of(lanes, mode_of(memory.runs, 0))
+    scheduling.step_together(lanes, kind, 1, control, memory)
 
 
 @compiled
 @kernel
-def locate(events, time, h, y, dense, row, mode, nodes, samples):
-    p = constants_in(events, row)
-    location.sample_step(events, time, h, 1.0, y, dense, p, mode, nodes, samples)
-    return location.first_event(events, time, h, y, dense, p, mode, samples)
+def pass_step(scene, lanes, control, memory):
+    scheduling.pass_step(scene, lanes, control, memory, 0, 0)
 
 
 @compiled
 @kernel
-def level_at(events, which, time, y, row, mode):
-    return kernels.level(events, which, time, step.state_of(y), constants_in(events, row), mode)
+def first_event(lanes, memory):
+    return event_search.first_event(lanes, memory.w, 0, memory.search)
 
 
-@compiled
-@kernel
-def hold(events, y, row, mode):
-    step.store_in(friction.hold_sticking(step.state_of(y), constants_in(events, row), mode), y)
+class OneRun:
+    """A run of the constants ``p``, from its start or from a state in a mode."""
 
+    def __init__(
+        self,
+        p,
+        scene: Scene = ALIGNMENT,
+        *,
+        tolerance=1e-12,
+        horizon=1e9,
+        settles=False,
+        control: Control | None = None,
+    ) -> None:
+        self.p, self.scene = p, in_kernels(scene, p.is_round)
+        self.lanes = lane_events_of(self.scene.events)
+        self.memory = new_memory(self.lanes, runs=1)
+        free = Control(horizon, 50_000_000, NOISE * tolerance * settles, 0.0, 0.0)
+        self.control = control or free
+        begin(np.array(p), tolerance, self.scene, self.control, self.memory.runs, 0)
+        self.memory.runs[0, AT.next_step] = 1.0
 
-class Steps:
-    """The engine's functions of one step, with the arrays that they fill."""
+    def put(self, state, mode, time=0.0):
+        """Go on from a state in a mode."""
+        run = self.memory.runs[0]
+        run[AT.outcome], run[AT.reason], run[AT.time] = CONTINUES, 0.0, time
+        run[STATE : STATE + 6], run[MODE : MODE + len(mode)] = state, mode
 
-    def __init__(self, p):
-        self.p, self.row = p, np.array(p)
-        stages, degree = DOP853.dense.shape
-        self.k, self.end, self.trial = np.empty((stages, 6)), np.empty(6), np.empty(6)
-        self.dense = np.empty((6, degree))
-        self.nodes, self.samples = np.empty((NODES, 6)), np.empty((NODES, MOST_SAMPLES))
+    def load(self):
+        """Load the series that the next step needs."""
+        while (missing := missing_in(self.lanes, self.memory)) >= 0:
+            self.lanes.series.load(missing)
 
-    def step(self, time, h, y, mode):
-        """The state after a step of length ``h``."""
-        take_step(ALIGNMENT_EVENTS, time, h, y, self.row, mode, self.k, self.end)
-        return self.end.copy()
+    def step(self, longest=None):
+        """Make a step, of at most ``longest``, and return its length; the run stays before it."""
+        if longest is not None:
+            self.memory.runs[0, AT.next_step] = longest
+        self.load()
+        step(self.lanes, self.control, self.memory)
+        return self.memory.w[workspace.STEP_LENGTH * WIDTH]
 
-    def dense_step(self, time, h, y, mode):
-        """As ``step``; fills the dense output."""
-        arrays = self.k, self.end, self.trial, self.dense
-        take_dense_step(ALIGNMENT_EVENTS, time, h, y, self.row, mode, *arrays)
-        return self.end.copy()
+    def at(self, theta):
+        """The state at a fraction of the step."""
+        return np.array(state_at(theta, self.memory.w, 0))
 
-    def first_event(self, time, h, y, mode):
-        """(which, θ) of the first event on the dense output."""
-        return locate(
-            ALIGNMENT_EVENTS, time, h, y, self.dense, self.row, mode, self.nodes, self.samples
-        )
+    def first_event(self):
+        """(which, θ) of the first event in the step."""
+        return first_event(self.lanes, self.memory)
 
-    def level(self, which, time, y, mode):
-        """The level of an event at the state ``y``."""
-        return level_at(ALIGNMENT_EVENTS, which, time, y, self.row, mode)
+    def advance(self):
+        """Make a step, and go on to its end or to the first event in it."""
+        self.step()
+        pass_step(self.scene, self.lanes, self.control, self.memory)
 
     def held(self, y, mode):
         """The state ``y`` with sticking contacts at rest."""
-        y = y.copy()
-        hold(ALIGNMENT_EVENTS, y, self.row, mode)
-        return y
+        return np.array(friction.hold_sticking(State(*y.tolist()), self.p, mode))
 
     def pass_event(self, which, time, y, mode):
         """(state, mode, outcome) after an event at the state ``y``."""
-        q = kernels.reset(ALIGNMENT_EVENTS, which, State(*y.tolist()), self.p, mode)
-        declared = ALIGNMENT.declared
+        events = self.scene.events
+        q = kernels.reset(events, which, State(*y.tolist()), self.p, mode)
         after, outcome, _ = kernels.transition(
-            ALIGNMENT_EVENTS, which, time, q, self.p, mode, declared
+            events, which, time, q, self.p, mode, self.scene.declared
         )
         return np.array(q), after, outcome

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from model.engine.lifecycle import begin, skip_chatter
-from model.engine.record import AT, STATE
-from model.engine.scalar.loop import new_scalar_memory
+from model.engine.record import AT, SIZE, STATE
 from model.physics.modes import OPEN, START
 from model.physics.notation import STATE_SIZE
 from verification.fuzz import SETTINGS, draw
@@ -13,11 +12,10 @@ from vibralign import Batch, Reason, Settings, Variants, align
 
 
 @pytest.mark.parametrize("number", [1844, 4419, 5677, 7856, 9260])
-@pytest.mark.parametrize("engine", ["scalar", None])
-def test_sets_that_once_chattered_come_on(number, engine):
+def test_sets_that_once_chattered_come_on(number):
     # Parts of hardly any inertia on hard bases, where rounding of a length causes a load; and one
     # part that is pressed only later, without load or force along the face at the start.
-    run = align(draw(2007, number, 1), SETTINGS, engine=engine, cores=1)
+    run = align(draw(2007, number, 1), SETTINGS, cores=1)
     assert run.reason[0] in (Reason.NONE, Reason.TOO_MANY_EVALUATIONS)
 
 
@@ -28,7 +26,7 @@ def standing(device):
     def make(at_once):
         settings = Settings(horizon=1.0)
         scene, control = settings.for_kernels
-        runs = new_scalar_memory().runs
+        runs = np.zeros((1, SIZE))
         row = Batch.stack([device]).constants(Variants())[0]
         begin(row, settings.tolerance, scene, control, runs, 0)
         runs[0, AT.events_at_once] = at_once

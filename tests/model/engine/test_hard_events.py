@@ -4,33 +4,42 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq, minimize_scalar
 
-from model.engine.scalar.location import NO_EVENT
-from model.engine.scalar.step import state_of
+from model.engine.event_search import NO_EVENT
 from model.events.kernels import MOST_SAMPLES, sample_into
 from model.events.table import FACE_GAP, FACE_LOAD, RIGHT_CORNER_LANDS, RIGHT_EDGE_ENTERS
 from model.events.transitions import CONTINUES
 from model.physics.geometry import bottom_corner, edge_place
 from model.physics.modes import CLOSED, OPEN, START
-from model.physics.notation import RIGHT_EDGE
-from tests.model.engine.steps import ALIGNMENT_EVENTS, Steps
+from model.physics.notation import RIGHT_EDGE, State
+from tests.model.engine.steps import ALIGNMENT_EVENTS, OneRun
 from vibralign import Outcome, Parameters, Reason, Settings, align, simulate
 
 FLIGHT = START._replace(face=OPEN)
 H = 0.2  # a step in flight: a fortieth of the slowest period
 
 
-class Flight(Steps):
+class Flight(OneRun):
     """Steps from a state in flight at τ = 0; no force depends on time."""
 
     def state(self, y, length, mode=FLIGHT):
         """The state ``length`` later, without any event."""
-        return self.step(0.0, length, y, mode)
+        while length > 0.0:
+            self.put(y, mode)
+            made = self.step(length)
+            y, length = self.at(min(1.0, length / made)), length - made
+        return y
 
     def first(self, y, mode=FLIGHT, length=H):
-        """(which, when) of the first event in a step."""
-        self.dense_step(0.0, length, y, mode)
-        which, theta = self.first_event(0.0, length, y, mode)
-        return which, theta if theta == NO_EVENT else theta * length
+        """(which, when) of the first event within a length."""
+        passed = 0.0
+        while passed < length:
+            self.put(y, mode)
+            made = self.step(length - passed)
+            which, theta = self.first_event()
+            if theta != NO_EVENT:
+                return which, passed + theta * made
+            y, passed = self.at(1.0), passed + made
+        return -1, NO_EVENT
 
 
 @pytest.fixture(scope="module")
@@ -142,11 +151,11 @@ def test_the_earliest_of_nearly_simultaneous_events_comes_first(device, constant
     for tilt in (1e-4, -1e-4):
         y = landing(flight.p, tilt)
         which, when = flight.first(y)
-        q = state_of(flight.state(y, when))
+        q = State(*flight.state(y, when).tolist())
         sample_into(ALIGNMENT_EVENTS, when, q, flight.p, FLIGHT, scratch)
         others = np.delete(scratch[[RIGHT_EDGE_ENTERS, RIGHT_CORNER_LANDS]],
                            [RIGHT_EDGE_ENTERS, RIGHT_CORNER_LANDS].index(which))  # fmt: skip
-        assert abs(scratch[which]) < 1e-11  # the dense output's error
+        assert abs(scratch[which]) < 1e-11  # the error of a step
         assert (others > 0.0).all()
 
 
@@ -221,9 +230,5 @@ def test_two_crossings_right_after_an_event_are_found():
         friction=2.2070862887072575, press_force=0.0, frequency=304.8539728316224,
         phase=-0.19376278644259384, rest_x=-0.028459289008773665, rest_tilt=2.2745447522134357e-05,
     )  # fmt: skip
-    settings = Settings(horizon=0.05, tolerance=1e-10)
-    (batch, scalar) = (
-        align([part], settings, cores=1, engine=each) for each in ("batch", "scalar")
-    )
-    assert batch.tau_align[0] == pytest.approx(scalar.tau_align[0], abs=1e-9)
-    assert scalar.tau_align[0] == pytest.approx(0.00603080146, abs=1e-9)
+    found = align([part], Settings(horizon=0.05, tolerance=1e-10), cores=1)
+    assert found.tau_align[0] == pytest.approx(0.00603080146, abs=1e-9)

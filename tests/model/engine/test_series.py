@@ -1,4 +1,4 @@
-"""Series of the batch engine: they solve the equations of motion and give event quantities."""
+"""Series: they solve the equations of motion and give event quantities."""
 
 import itertools
 
@@ -13,8 +13,8 @@ from model.engine.event_search import first_crossing
 from model.engine.lane_events import (
     QUANTITIES,
     TERMS,
+    LaneEvents,
     applicable_in,
-    is_partial,
     lane_events_of,
 )
 from model.engine.lane_events import kind_of as kind_of_mode
@@ -22,15 +22,21 @@ from model.engine.mode_kinds import (
     ALIGNMENT_KINDS,
     BETWEEN_WALLS,
     FREE,
-    INSERTION_KINDS,
     ON_LEFT_EDGE,
     ON_RIGHT_EDGE,
     SIDE_CONTACTS,
     SLIDES,
     STICKS,
     ModeKind,
+    kinds_of,
 )
-from model.engine.series import GIVEN, LANE_CONSTANTS, EventQuantities
+from model.engine.series import (
+    CORNER_OFFSET,
+    LANE_CONSTANTS,
+    SIDE_SIGN,
+    SUPPORT_SIGN,
+    EventQuantities,
+)
 from model.engine.series_layout import (
     FRACTIONS,
     LACK,
@@ -46,21 +52,28 @@ from model.engine.series_layout import (
 from model.engine.workspace import COEFFICIENTS, CONTACTS_AT, LAST_ORDER, new_workspace
 from model.events.event_functions import NEVER
 from model.events.insertion import INSERTION
-from model.events.kernels import in_kernels
+from model.events.kernels import in_kernels, level
 from model.events.scenes import ALIGNMENT
 from model.events.sources import CornerPositions, corner_positions
 from model.events.table import number_of
-from model.physics.contacts import contact_load, corner_on_wall, edge_on_side, support_on_face
+from model.physics.contacts import (
+    contact_load,
+    corner_on_flat,
+    corner_on_wall,
+    edge_on_side,
+    support_on_face,
+)
 from model.physics.modes import CLOSED, OPEN, RELEASED, START, STICKING, Mode
 from model.physics.motion import motion_at
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
 from model.physics.parameters import Constants
 from vibralign import Settings
 
-FACE, SUPPORT_SLIP, SIDE, SIDE_SLIP = (
+EDGE, FACE, SUPPORT_SLIP, SIDE, SIDE_SLIP = (
     workspace.MODE_LINE + Mode._fields.index(name)
-    for name in ("face", "support_slip", "side", "side_slip")
+    for name in ("edge", "face", "support_slip", "side", "side_slip")
 )
+SIGNS = slice(SUPPORT_SIGN, SIDE_SIGN + 1)
 KINDS = FREE, SLIDES, STICKS
 KIND_NAMES = {FREE: "free", SLIDES: "slides", STICKS: "sticks"}
 SHAPES = "square", "round"
@@ -73,11 +86,11 @@ NORMAL = {FREE: OPEN, SLIDES: CLOSED, STICKS: CLOSED}
 
 
 LANES = {shape: lane_events_of(in_kernels(ALIGNMENT, shape == "round").events) for shape in SHAPES}
-crossing, enter_series, fill_series, fill_errors = map(
+crossing, enter_series, fill_series, fill_errors, level_at = map(
     compiled,
     (
         event_search.crossing, lane_events.enter_series, series_kernels.fill_series,
-        series_kernels.fill_errors,
+        series_kernels.fill_errors, level,
     ),
 )  # fmt: skip
 largest_force, largest_tilt, motion, step_all = map(
@@ -93,7 +106,7 @@ def kind_of(support: int, side: int) -> int:
 PLACES = [name for name in EventQuantities._fields if name in CornerPositions._fields]
 
 
-NAMES = np.array(Constants._fields)[LANE_CONSTANTS].tolist()
+NAMES = Constants._fields[:LANE_CONSTANTS]
 PRESS_RATE, RAMP_END = 0.1, 3.0  # the press grows during every step
 
 
@@ -133,11 +146,11 @@ class Step:
         for name in named if lossless else ():
             if name == "friction" or name.endswith("_damping"):
                 named[name][:] = 0.0
-        self.w[GIVEN - 2 : GIVEN] = rng.choice([-1.0, 1.0], (2, WIDTH))
+        self.w[SIGNS], self.w[EDGE] = rng.choice([-1.0, 1.0], (2, WIDTH)), RIGHT_EDGE
         self.w[workspace.TIME], self.w[workspace.HALT] = 0.3, 10.0
         self.w[workspace.TOLERANCE], self.w[workspace.LONGEST] = tolerance, longest
         self.w[FACE], self.w[SIDE] = NORMAL[support], NORMAL[side]
-        signs = self.w[GIVEN - 2 : GIVEN]
+        signs = self.w[SIGNS]
         self.w[SUPPORT_SLIP] = 0.0 if support == STICKS else signs[0]
         self.w[SIDE_SLIP] = 0.0 if side == STICKS else signs[1]
         state = rng.uniform(-0.3, 0.3, (6, WIDTH))
@@ -150,7 +163,7 @@ class Step:
         kind = kind_of(support, side)
         self.applicable = int(applicable_in(lanes, kind, self.constants(0), self.mode(0)))
         self.w[workspace.APPLICABLE] = self.applicable
-        for number in (kind, len(ALIGNMENT_KINDS) + kind):
+        for number in (kind, len(lanes.series.fill) + kind):
             lanes.series.load(number)
         step_all(lanes, kind, self.applicable, control, lanes.series.addresses, flat)
         coefficients = self.w[COEFFICIENTS : COEFFICIENTS + ORDERS * LINES]
@@ -159,7 +172,7 @@ class Step:
 
     def constants(self, lane: int) -> Constants:
         values = np.zeros(len(Constants._fields))
-        values[LANE_CONSTANTS] = self.w[: GIVEN - 2, lane]
+        values[:LANE_CONSTANTS] = self.w[:LANE_CONSTANTS, lane]
         return self.lanes.events.constants(*values.tolist())
 
     def mode(self, lane: int) -> Mode:
@@ -260,14 +273,18 @@ def test_the_series_keep_energy_without_damping_and_friction(shape: str) -> None
         assert energy(end) - start == pytest.approx(work, abs=1e-11 * abs(start))
 
 
+OFFSET = -0.1  # depth of a corner when it began to press
+
+
 def mode_of(kind: ModeKind, signs: np.ndarray) -> Mode:
     """Return a mode of a kind, with these signs of the slips."""
     support, side = SIDE_CONTACTS[kind.support], SIDE_CONTACTS[kind.side]
     slips = np.where([support.sticks, side.sticks], 0, signs).astype(int).tolist()
-    without_load = RELEASED if kind.place == ON_LEFT_EDGE else OPEN
+    without_load = RELEASED if kind.place == ON_LEFT_EDGE and not support.corner else OPEN
     return START._replace(
         edge=LEFT_EDGE if kind.place == ON_LEFT_EDGE else RIGHT_EDGE,
         face=CLOSED if support.edge else without_load, corner=int(support.corner),
+        corner_offset=OFFSET * (kind.place != BETWEEN_WALLS),
         slip_at_corner=support.slip_at_corner, support_slip=slips[0],
         side=int(side.edge), wall=int(side.corner), slip_at_wall=side.slip_at_corner,
         side_slip=slips[1],
@@ -276,17 +293,19 @@ def mode_of(kind: ModeKind, signs: np.ndarray) -> Mode:
 
 
 def test_a_mode_has_the_number_of_its_kind():
-    inserting = lane_events_of(in_kernels(INSERTION).events)
-    for number, kind in enumerate(INSERTION_KINDS):
-        assert kind_of_mode(inserting, mode_of(kind, np.array([-1, 1]))) == number
-        assert kind_of_mode(LANES["square"], mode_of(kind, np.array([1, 1]))) == (
-            number if kind in ALIGNMENT_KINDS else -1
-        )
-    on_flat = START._replace(face=OPEN, corner=CLOSED, slip_at_corner=True)
-    assert kind_of_mode(inserting, on_flat) == kind_of_mode(LANES["square"], on_flat) == -1
+    for scene, inserts in ((ALIGNMENT, False), (INSERTION, True)):
+        lanes = lane_events_of(in_kernels(scene).events)
+        for number, kind in enumerate(kinds_of(inserts)):
+            assert kind_of_mode(lanes, mode_of(kind, np.array([-1, 1]))) == number
 
 
-@pytest.mark.parametrize("kind", INSERTION_KINDS)
+# Each kind of place, support and side with each other costs a second: all in the nightly tests.
+USUAL = [kind for kind in kinds_of(inserts=True) if FREE in kind[1:]]
+RARE = [kind for kind in kinds_of(inserts=True) if kind not in USUAL]
+NIGHTLY = [pytest.param(kind, marks=pytest.mark.nightly) for kind in RARE]
+
+
+@pytest.mark.parametrize("kind", [*USUAL, *NIGHTLY])
 @pytest.mark.parametrize("shape", SHAPES)
 def test_the_series_of_the_insertion_scene_solve_the_equations_of_motion(shape, kind):
     rng = np.random.default_rng(kind)
@@ -298,7 +317,7 @@ def test_the_series_of_the_insertion_scene_solve_the_equations_of_motion(shape, 
         w[line["slot_half_width"]] = 1.1 * w[line["half_width"]]
     w[line["contact_stiffness"]], w[line["friction"]] = 50.0, 0.3
     signs = rng.choice([-1.0, 1.0], (2, WIDTH))
-    w[GIVEN - 2 : GIVEN] = signs
+    w[SIGNS], w[CORNER_OFFSET] = signs, OFFSET * (kind.place != BETWEEN_WALLS)
     state = rng.uniform(-0.02, 0.02, (6, WIDTH))
     # B1 is a tenth behind the wall, and so is A1 behind the face, but for the small tilt; likewise
     # B2 and A2 where both press.
@@ -306,7 +325,7 @@ def test_the_series_of_the_insertion_scene_solve_the_equations_of_motion(shape, 
     state[0] = w[line["slot_half_width"]] + 0.1 - a * np.cos(state[2]) - b * np.sin(state[2])
     if SIDE_CONTACTS[kind.side].edge and SIDE_CONTACTS[kind.side].corner:
         state[0] = a * np.cos(state[2]) - b * np.sin(state[2]) - w[line["slot_half_width"]] - 0.1
-    if shape == "round" and kind.place == ON_LEFT_EDGE:  # tips over A2
+    if shape == "round" and kind.place == ON_LEFT_EDGE and kind.support != FREE:  # tips over A2
         state[0] *= -1.0
     w[COEFFICIENTS : COEFFICIENTS + 6] = state
     angle = w[line["frequency"]] * 0.3 + w[line["phase"]]
@@ -316,14 +335,14 @@ def test_the_series_of_the_insertion_scene_solve_the_equations_of_motion(shape, 
     w[COEFFICIENTS + LINES + LACK] = -PRESS_RATE
     w[LAST_ORDER] = ORDER
     lanes = lane_events_of(in_kernels(INSERTION, shape == "round").events)
-    number = INSERTION_KINDS.index(kind)
+    number = kinds_of(inserts=True).index(kind)
     lanes.series.load(number)
     fill_series(lanes, number, lanes.series.addresses, flat)
     series = w[COEFFICIENTS : COEFFICIENTS + (ORDER + 1) * LINES].reshape(ORDER + 1, LINES, WIDTH)
     time, orders = 1e-3, np.arange(1, ORDER + 1)
     for lane in range(WIDTH):
         values = np.zeros(len(Constants._fields))
-        values[LANE_CONSTANTS] = w[: GIVEN - 2, lane]
+        values[:LANE_CONSTANTS] = w[:LANE_CONSTANTS, lane]
         p, mode = lanes.events.constants(*values.tolist()), mode_of(kind, signs[:, lane])
         found = time ** np.arange(ORDER + 1) @ series[:, :SINES, lane]
         q = State(*found[:6].tolist())
@@ -335,8 +354,9 @@ def test_the_series_of_the_insertion_scene_solve_the_equations_of_motion(shape, 
         corners = [corner_on_wall(each, q, p) for each in (RIGHT_EDGE, LEFT_EDGE)]
         if not mode.in_slot:
             edges[0] = support_on_face(mode.edge, q, p)
+            corners[0] = corner_on_flat(mode.edge, q, p)
+            corners[0] = corners[0]._replace(depth=corners[0].depth - mode.corner_offset)
         loads = [contact_load(each.depth, each.closing_rate, q, p) for each in (*edges, *corners)]
-        loads[2] *= mode.in_slot
         lines = [workspace.LINE[f"{each}_load"] for each in ("face", "side", "corner", "wall")]
         assert found[lines] == pytest.approx(loads, rel=1e-9)
         slips = [
@@ -352,7 +372,7 @@ def test_the_series_of_the_insertion_scene_solve_the_equations_of_motion(shape, 
 
 
 @each_kind
-def test_event_quantities_equal_the_scalar_functions(shape: str, support: int, side: int) -> None:
+def test_event_quantities_equal_the_functions(shape: str, support: int, side: int) -> None:
     step = Step(support, side, 0.1, shape=shape)
     for lane in range(WIDTH):
         for time in (0.0, 1e-3):
@@ -377,7 +397,7 @@ def test_event_quantities_equal_the_scalar_functions(shape: str, support: int, s
             )
 
 
-SAMPLED_LINES = [TILT, *range(6, SINES - 3)]  # lines that are sampled at every node
+SAMPLED_LINES = [TILT, *range(6, SINES - 2)]  # lines that are sampled at every node
 
 
 @each_kind
@@ -419,7 +439,7 @@ def test_series_of_levels_are_those_of_the_levels(shape: str, support: int, side
     for lane in range(WIDTH):
         for which in step.watched:
             expected = step.w[lines + which, lane]
-            if step.applies(which, lane):
+            if step.applies(which, lane) and not has_rate(step.lanes, which):
                 found = np.concatenate([
                     sampled(step, which, np.array([node]), series, lane, last)
                     for node, last in zip(nodes, orders, strict=True)
@@ -427,6 +447,21 @@ def test_series_of_levels_are_those_of_the_levels(shape: str, support: int, side
                 assert found == pytest.approx(expected, rel=1e-10, abs=1e-11)
                 compared += 1
     assert compared >= 5 * WIDTH
+
+
+def test_a_level_with_a_rate_is_that_of_the_event_function() -> None:
+    step, series, compared = Step(FREE, FREE, 0.2, tolerance=1e-6), np.zeros(QUANTITIES * TERMS), 0
+    for lane in range(WIDTH):
+        for which in (each for each in step.watched if has_rate(step.lanes, each)):
+            for theta in (0.0, 0.3, 1.0) if step.applies(which, lane) else ():
+                q = State(*step.at(theta * step.w[workspace.STEP_LENGTH, lane], lane)[:6].tolist())
+                expected = level_at(
+                    step.lanes.events, which, 0.0, q, step.constants(lane), step.mode(lane)
+                )
+                found = sampled(step, which, np.array([theta]), series, lane)
+                assert found == pytest.approx(expected, rel=1e-9, abs=1e-10)
+                compared += 1
+    assert compared >= 3 * WIDTH
 
 
 @each_kind
@@ -447,6 +482,12 @@ def test_peaks_are_those_of_the_step_or_its_part(shape: str, support: int, side:
                 assert found == pytest.approx(max(force.max(), 0.0), rel=1e-6)
 
 
+def has_rate(lanes: LaneEvents, which: int) -> bool:
+    """Return whether a level has a series, but no samples."""
+    (event,) = (each for each in lanes.all if each.number == which)
+    return any(level.has_rate for case in event.cases for level in case.levels)
+
+
 def test_the_first_fall_is_found_however_short_what_follows() -> None:
     # Against 1,001 samples of every level that applies, on steps ten times as long as usual.
     places, short, fell = np.linspace(0.0, 1.0, 1001), 0, 0
@@ -457,7 +498,7 @@ def test_the_first_fall_is_found_however_short_what_follows() -> None:
             flat = step.w.reshape(-1)
             for lane in range(WIDTH):
                 for which in step.watched:
-                    if not step.applies(which, lane) or is_partial(step.lanes, which):
+                    if not step.applies(which, lane) or has_rate(step.lanes, which):
                         continue
                     values = sampled(step, which, places, series, lane)
                     if values[0] <= 1e-6:

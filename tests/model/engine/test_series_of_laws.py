@@ -8,7 +8,7 @@ from model.compile.kernels import kernel
 from model.compile.vector_code import WIDTH, VectorFunction, call_at
 from model.engine import workspace
 from model.engine.mode_kinds import FREE, ON_RIGHT_EDGE, ModeKind
-from model.engine.series import GIVEN, STATES, Sum, recurrences
+from model.engine.series import LANE_CONSTANTS, STATES, Sum, recurrences
 from model.engine.series_code import SeriesWriter
 from model.engine.series_layout import LINES, ORDER, Layout
 from model.engine.workspace import COEFFICIENTS, LAST_ORDER, new_workspace
@@ -29,7 +29,7 @@ def test_a_law_may_multiply_positions():
     fill = VectorFunction("fill_cubic", lambda name: SeriesWriter(name, Layout(cubic)))
     flat = new_workspace(workspace.EVENT_LINES)
     w = flat.reshape(-1, WIDTH)
-    w[: GIVEN - 2] = 1.0
+    w[:LANE_CONSTANTS] = 1.0
     start = np.linspace(0.5, 1.5, WIDTH)
     w[COEFFICIENTS], w[COEFFICIENTS + 3] = start, start**2 / np.sqrt(2.0)
     w[LAST_ORDER] = ORDER

@@ -6,10 +6,10 @@ import sys
 
 import numpy as np
 import pytest
+from model.runs.engines import batch_engine
 
 from model.compile.machine_code import floats_in_a_vector
 from model.compile.vector_code import WIDTH, WIDTHS
-from model.runs.engines import batch_engine
 from verification.fuzz import SCENES, draw
 
 PROGRAM = """\

@@ -1,4 +1,4 @@
-"""The engines of a page as WebAssembly, run without a browser."""
+"""The engine of a page as WebAssembly, run without a browser."""
 
 import ctypes
 from typing import Any
@@ -11,7 +11,7 @@ MOST_ROWS = 20_000
 class Browser:
     """A module as the page runs it: the memory, the stack and the C library's functions."""
 
-    def __init__(self, binary: bytes, name: str, interface: dict[str, Any]) -> None:
+    def __init__(self, binary: bytes, interface: dict[str, Any]) -> None:
         import wasmtime  # noqa: PLC0415  (not every environment has it)
 
         config = wasmtime.Config()
@@ -28,7 +28,7 @@ class Browser:
                 self.memory = wasmtime.Memory(store, wasmtime.MemoryType(wasmtime.Limits(1, None)))
                 imports.append(self.memory)
             elif each == "__stack_pointer":
-                value = wasmtime.Val.i32(interface["functions"][name]["stack"])
+                value = wasmtime.Val.i32(interface["stack"])
                 imports.append(wasmtime.Global(store, kind, value))
             elif isinstance(kind, wasmtime.FuncType):
                 self.functions.add(each)
@@ -42,12 +42,12 @@ class Browser:
             else:
                 raise AssertionError(f"the module imports {each}, which no page gives it")
         exports = wasmtime.Instance(store, module, imports).exports(store)
-        self.call, self.store, self.about, self.name = exports["run"], store, interface, name
+        self.call, self.store, self.about = exports["run"], store, interface
 
     def run(self, sets: np.ndarray, rows: int = MOST_ROWS, **control: float) -> tuple[Any, Any]:
-        """Return the results of the sets, and with ``run_one`` the track of its one set."""
+        """Return the results of the sets, and the track, of ``rows`` rows, of the only one."""
         chosen = {"sets": len(sets), "rows": rows}
-        layout, stack = (self.about["functions"][self.name][it] for it in ("arguments", "stack"))
+        layout, stack = (self.about[it] for it in ("arguments", "stack"))
         lengths = [chosen.get(each["length"], each["length"]) for each in layout]
         sizes = [length * each["size"] for each, length in zip(layout, lengths, strict=True)]
         # The result of the call, its words, and the arrays, each from a new cache line on.
@@ -70,4 +70,4 @@ class Browser:
             data = self.memory.read(self.store, arrays[n], arrays[n] + 8 * sizes[n])
             return np.frombuffer(bytes(data)).reshape(lengths[n], layout[n]["size"])
 
-        return found("results"), found("track") if "track" in at else None
+        return found("results"), found("memory.track")

@@ -1,4 +1,4 @@
-"""The engines as WebAssembly, run without a browser, against the same engines in Python."""
+"""The engine as WebAssembly, run without a browser, against the engine in Python."""
 
 import os
 import platform
@@ -11,15 +11,15 @@ import numpy as np
 import pytest
 
 from model.engine.results import TRACK_VARIABLES, RunResult
+from model.engine.track import COLUMNS
 from model.events.insertion import INSERTION
 from model.physics.modes import CLOSED
 from model.physics.parameters import PARAMETER_NAMES
-from model.runs.engines import Engine, engine_for
+from model.runs.engine import engine_for
 from model.runs.errors import SENSITIVE, outcomes_differ
-from model.runs.in_browser import modules
+from model.runs.in_browser import module_for
 from model.runs.settings import Settings
 from model.runs.simulate import simulate_once
-from model.runs.trace import COLUMNS
 from study.config import Study, load_study, study_path
 from tests.model.runs.browser import Browser
 from verification.trials import trial_of
@@ -28,16 +28,13 @@ from vibralign import Batch, align
 pytest.importorskip("wasmtime")
 
 SETS = int(os.environ.get("VIBRALIGN_SETS", "60"))  # `make nightly` takes more
-# A shown run goes on into the slot; a map asks for alignment.
-SETTINGS: dict[Engine, Settings] = {"scalar": Settings(scene=INSERTION), "batch": Settings()}
+SETTINGS = Settings(scene=INSERTION)  # a shown run goes on into the slot; a map asks for alignment
 
 
 @pytest.fixture(scope="module")
-def engines() -> dict[str, Browser]:
-    made = modules()
-    return {
-        name: Browser(getattr(made, name), name, made.interface) for name in ("run_one", "run_many")
-    }
+def engine() -> Browser:
+    made = module_for()
+    return Browser(made.binary, made.interface)
 
 
 @pytest.fixture(scope="module")
@@ -58,48 +55,37 @@ def tilted_towards_the_hole(batch: Batch) -> Batch:
     return Batch({**batch.values, "misalignment": shares * farthest})
 
 
-def _one_at_a_time(engine: Browser, sets: np.ndarray) -> np.ndarray:
-    return np.vstack([engine.run(row[np.newaxis], rows=0)[0] for row in sets])
-
-
 @pytest.fixture(scope="module")
-def ran(engines: dict[str, Browser], sets: np.ndarray) -> dict[str, np.ndarray]:
-    """Results of both modules, shape (sets, fields)."""
-    return {
-        "scalar": _one_at_a_time(engines["run_one"], sets),
-        "batch": engines["run_many"].run(sets)[0],
-    }
+def ran(engine: Browser, sets: np.ndarray) -> np.ndarray:
+    """Results, shape (sets, fields)."""
+    return engine.run(sets, rows=0)[0]
 
 
-@pytest.mark.parametrize("engine", ["scalar", "batch"])
-def test_outcomes_and_times_are_those_of_python(
-    engine: Engine, batch: Batch, ran: dict[str, np.ndarray]
-) -> None:
+def test_outcomes_and_times_are_those_of_python(batch: Batch, ran: np.ndarray) -> None:
     """Python's processor may round a product and a sum once; only in sensitive sets it shows.
 
     A periodic motion may be seen to settle later: see ``outcomes_differ``.
     """
-    agree(SETTINGS[engine], engine, batch, ran[engine])
+    agree(SETTINGS, batch, ran)
 
 
-@pytest.mark.parametrize("engine", ["scalar", "batch"])
-def test_outcomes_and_times_of_round_parts_are_those_of_python(
-    engine: Engine, batch: Batch
-) -> None:
-    """The modules of a page know the shape by their code."""
-    made, batch = modules("round"), tilted_towards_the_hole(batch)
+def test_a_map_ends_runs_at_alignment(engine: Browser, batch: Batch, sets: np.ndarray) -> None:
+    found = engine.run(sets, rows=0, alignment_only=1.0)[0]
+    agree(Settings(alignment_only=True), batch, found)
+
+
+def test_outcomes_and_times_of_round_parts_are_those_of_python(batch: Batch) -> None:
+    """The module of a page knows the shape by its code."""
+    made, batch = module_for("round"), tilted_towards_the_hole(batch)
     assert made.interface["shape"] == "round"
     sets = np.column_stack([batch.values[name] for name in PARAMETER_NAMES])
-    if engine == "scalar":
-        found = _one_at_a_time(Browser(made.run_one, "run_one", made.interface), sets)
-    else:
-        found = Browser(made.run_many, "run_many", made.interface).run(sets)[0]
-    agree(replace(SETTINGS[engine], shape="round"), engine, batch, found)
+    found = Browser(made.binary, made.interface).run(sets, rows=0)[0]
+    agree(replace(SETTINGS, shape="round"), batch, found)
 
 
-def agree(settings: Settings, engine: Engine, batch: Batch, ran: np.ndarray) -> None:
+def agree(settings: Settings, batch: Batch, ran: np.ndarray) -> None:
     rows = settings.rows(batch)
-    there = RunResult(*engine_for(settings, engine)(rows, np.full(SETS, settings.tolerance)).T)
+    there = RunResult(*engine_for(settings)(rows, np.full(SETS, settings.tolerance)).T)
     here = RunResult(*ran.T)
     differ = outcomes_differ(here.outcome, there.outcome, alike=True)
     times = np.where(np.isnan(here.tau_align + there.tau_align), 0.0,
@@ -108,7 +94,7 @@ def agree(settings: Settings, engine: Engine, batch: Batch, ran: np.ndarray) -> 
     assert suspects.size <= 0.02 * SETS
     if suspects.size:
         again = [batch[int(row)] for row in suspects]
-        assert align(again, settings, engine=engine).sensitive.all()
+        assert align(again, settings).sensitive.all()
     assert np.median(times[np.isfinite(there.tau_align)]) < 1e-12
 
 
@@ -116,14 +102,14 @@ _REFERENCE = """
 import sys
 import numpy as np
 from model.physics.parameters import PARAMETER_NAMES, Batch
-from model.runs.engines import engine_for
+from model.runs.engine import engine_for
 from model.runs.settings import SCENES, Settings
 from model.runs.simulate import simulate_once
 from study.config import load_study, study_path
-name, scene, sets, found = *sys.argv[1:3], np.load(sys.argv[3]), sys.argv[4]
+scene, sets, found = sys.argv[1], np.load(sys.argv[2]), sys.argv[3]
 settings = Settings(scene=SCENES[scene])
 rows = settings.rows(Batch(dict(zip(PARAMETER_NAMES, sets.T.copy()))))
-results = engine_for(settings, name)(rows, np.full(len(rows), settings.tolerance))
+results = engine_for(settings)(rows, np.full(len(rows), settings.tolerance))
 run = simulate_once(load_study(study_path()).parameters("fig05"), settings)
 np.savez(found, results=results, time=run.time, **run.track_variables)
 """
@@ -133,22 +119,16 @@ np.savez(found, results=results, time=run.time, **run.track_variables)
     platform.machine() not in ("x86_64", "AMD64"),
     reason="only x86 has a generic processor without fused multiply-add, as WebAssembly has none",
 )
-@pytest.mark.parametrize("engine", ["scalar", pytest.param("batch", marks=pytest.mark.nightly)])
 def test_every_field_is_equal_to_the_bit_without_fused_multiply_add(
-    engine: Engine,
-    sets: np.ndarray,
-    ran: dict[str, np.ndarray],
-    shown: dict[str, np.ndarray],
-    tmp_path: Path,
+    sets: np.ndarray, ran: np.ndarray, shown: dict[str, np.ndarray], tmp_path: Path
 ) -> None:
     given, found = tmp_path / "sets.npy", tmp_path / "found.npz"
     np.save(given, sets)
-    scene = SETTINGS[engine].scene.name
-    command = [sys.executable, "-c", _REFERENCE, engine, scene, str(given), str(found)]
+    command = [sys.executable, "-c", _REFERENCE, SETTINGS.scene.name, str(given), str(found)]
     subprocess.run(command, check=True, env=os.environ | {"VIBRALIGN_CPU": "x86-64"})
     with np.load(found) as python:
-        np.testing.assert_array_equal(ran[engine], python["results"])
-        for name in ("time", *TRACK_VARIABLES) if engine == "scalar" else ():
+        np.testing.assert_array_equal(ran, python["results"])
+        for name in ("time", *TRACK_VARIABLES):
             np.testing.assert_array_equal(shown[name], python[name])
 
 
@@ -160,18 +140,18 @@ def shown_row() -> np.ndarray:
 
 
 @pytest.fixture(scope="module")
-def shown(engines: dict[str, Browser], shown_row: np.ndarray) -> dict[str, np.ndarray]:
+def shown(engine: Browser, shown_row: np.ndarray) -> dict[str, np.ndarray]:
     """Columns of the track."""
-    results, track = engines["run_one"].run(shown_row)
+    results, track = engine.run(shown_row)
     tracked = int(RunResult(*results[0]).tracked)
     return dict(zip(COLUMNS, track[:tracked].T, strict=True))
 
 
 def test_track_has_modes_and_events(
-    engines: dict[str, Browser], shown_row: np.ndarray, shown: dict[str, np.ndarray]
+    engine: Browser, shown_row: np.ndarray, shown: dict[str, np.ndarray]
 ) -> None:
-    result = RunResult(*engines["run_one"].run(shown_row)[0][0])
-    run = simulate_once(load_study(study_path()).parameters("fig05"), SETTINGS["scalar"])
+    result = RunResult(*engine.run(shown_row)[0][0])
+    run = simulate_once(load_study(study_path()).parameters("fig05"), SETTINGS)
     assert result.tau_align == pytest.approx(run.tau_align, abs=1e-9)
     events = shown["event"] != 0.0
     assert events.sum() == result.events
@@ -186,5 +166,5 @@ def test_track_has_modes_and_events(
     np.testing.assert_allclose(np.maximum(loads, 0.0), shown["contact_force"][~events], atol=1e-9)
 
 
-def test_modules_ask_for_nothing_but_powers(engines: dict[str, Browser]) -> None:
-    assert engines["run_one"].functions | engines["run_many"].functions <= {"pow", "exp2", "memset"}
+def test_the_module_asks_for_nothing_but_powers(engine: Browser) -> None:
+    assert engine.functions <= {"pow", "exp2", "memset"}

@@ -141,7 +141,7 @@ def test_it_is_reproducible_to_the_bit(device, run):
 @pytest.mark.parametrize("frequency", [0.5, 1.0, 10.0])
 def test_simulate_agrees_with_align(device, frequency):
     p = device.replace(frequency=frequency)
-    one, many = simulate(p), align([p], engine="scalar")
+    one, many = simulate(p), align([p])
     assert one.tau_align == many.tau_align[0]
     assert one.outcome == many.outcome[0]
     assert one.rhs_evaluations == many.rhs_evaluations[0]

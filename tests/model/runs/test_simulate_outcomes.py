@@ -228,10 +228,9 @@ def test_printed_criterion_is_the_four_corner_conditions(device):
     assert run.tau_align == pytest.approx(other.tau_corners_inside, abs=1e-9)
 
 
-@pytest.mark.parametrize("engine", ["batch", "scalar"])
-def test_a_run_may_end_at_alignment(device, engine):
-    whole = align([device], engine=engine)
-    part = align([device], engine=engine, alignment_only=True)
+def test_a_run_may_end_at_alignment(device):
+    whole = align([device])
+    part = align([device], alignment_only=True)
     assert part.outcome[0] == Outcome.ALIGNED
     assert part.tau_align[0] == whole.tau_align[0]
     assert np.isfinite([whole.tilt_max[0], whole.contact_force_max[0]]).all()

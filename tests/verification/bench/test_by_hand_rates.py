@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from model.compile.entries import compiled
-from model.engine.scalar.step import state_of
 from model.events.event_functions import edge_inside
 from model.events.sources import corner_positions
 from model.physics.contacts import contact_load, corner_on_flat, edge_on_face, edge_on_side
@@ -20,6 +19,7 @@ from model.physics.modes import (
 from model.physics.motion import motion
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
 from verification.bench.methods import by_hand
+from verification.bench.methods.by_hand import state_of
 from vibralign import Variants
 
 ROUNDING = 1e-12  # relative to 1 + the largest acceleration; loads are of order 10

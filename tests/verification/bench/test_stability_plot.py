@@ -35,12 +35,12 @@ def test_every_ladder_has_a_cell(timed_settings):
         for patch, text in zip(axes.patches, axes.texts, strict=True)
     }  # fmt: skip
     assert cells == {
-        ("dop853_located", "aligned"): ("1.0k", FILLS[KEPT]),
+        ("taylor_located", "aligned"): ("1.0k", FILLS[KEPT]),
         ("rk4_fixed", "aligned"): ("4.0k", FILLS[KEPT]),
         ("scipy_rk45", "aligned"): ("900", FILLS[KEPT]),
-        ("dop853_located", "base_100_0"): ("1.0k", FILLS[KEPT]),
+        ("taylor_located", "base_100_0"): ("1.0k", FILLS[KEPT]),
         ("rk4_fixed", "base_100_0"): ("3·10⁻⁴", FILLS[INACCURATE]),
-        ("dop853_located", "overturning"): ("·", FILLS[OUTCOME]),
+        ("taylor_located", "overturning"): ("·", FILLS[OUTCOME]),
         ("rk4_fixed", "overturning"): ("W", FILLS["W: wrong outcome"]),
         ("scipy_rk45", "overturning"): ("N", FILLS["N: over its limit"]),
     }

@@ -62,7 +62,7 @@ def test_a_panel_shows_the_right_settings_of_its_case(timed_settings, work):
     assert legend == [METHODS[name].name for name in METHODS if name in PRESENT]
 
 
-PRESENT = {"dop853_located", "rk4_fixed", "scipy_rk45"}
+PRESENT = {"taylor_located", "rk4_fixed", "scipy_rk45"}
 
 
 # --- What it needs ------------------------------------------------------------------------------
@@ -73,19 +73,19 @@ def test_what_a_method_needs_is_the_cheapest_setting_that_all_finer_ones_confirm
     assert need["rk4_fixed", "aligned"].rhs_evaluations == 4000, "the lucky setting does not count"
     assert ("rk4_fixed", "sticking") not in need
     assert ("scipy_rk45", "bouncing") not in need
-    assert need["dop853_located", "bouncing"].microseconds == 80.0
-    assert needs(timed_settings, 1e-8)["dop853_located", "bouncing"].resolution == 1e-9
+    assert need["taylor_located", "bouncing"].microseconds == 80.0
+    assert needs(timed_settings, 1e-8)["taylor_located", "bouncing"].resolution == 1e-9
     assert needs(timed_settings, 1e-10) == {}
 
 
 def test_a_wrong_outcome_at_a_finer_setting_takes_the_coarser_ones_away(timed_settings):
     settings = [
         replace(setting, verdict=Verdict.WRONG_OUTCOME, error=math.nan)
-        if (setting.method, setting.resolution) == ("dop853_located", 1e-9)
+        if (setting.method, setting.resolution) == ("taylor_located", 1e-9)
         else setting
         for setting in timed_settings
     ]
-    assert ("dop853_located", "aligned") not in needs(settings, 1e-5)
+    assert ("taylor_located", "aligned") not in needs(settings, 1e-5)
 
 
 def test_the_nearest_setting_has_the_smallest_known_error(timed_settings):
@@ -100,7 +100,7 @@ def test_the_nearest_setting_has_the_smallest_known_error(timed_settings):
 
 def test_advice_names_what_was_measured(timed_settings):
     numbers, scans = advice(timed_settings, CASES)
-    label = METHODS["dop853_located"].name
+    label = METHODS["taylor_located"].name
     assert f"choose {label}: it keeps the true error below 10⁻⁸ in every case, at 160 µs" in (
         numbers
     )
@@ -115,7 +115,7 @@ def test_advice_changes_with_what_was_measured(timed_settings):
     better = [
         replace(setting, method="scipy_rk45", microseconds=10.0)
         for setting in timed_settings
-        if (setting.method, setting.resolution) == ("dop853_located", 1e-6)
+        if (setting.method, setting.resolution) == ("taylor_located", 1e-6)
     ]
     _, scans = advice([*timed_settings, *better], CASES)
     assert f"choose {METHODS['scipy_rk45'].name}: it keeps" in scans

@@ -28,7 +28,7 @@ from model.physics.quantities import FORCE
 from model.physics.tables import vars_of
 from model.physics.units import device as device_of
 from model.runs import in_browser
-from model.runs.in_browser import Modules, interface
+from model.runs.in_browser import Module, interface
 from model.sweeps.starts import Starts
 from study.config import load_study, study_path
 from tests.model.runs.browser import Browser
@@ -106,9 +106,7 @@ def _no_advice(monkeypatch: pytest.MonkeyPatch, _no_leeways: None) -> None:
     monkeypatch.setattr(yields, "sobol_indices_of", lambda *_, **__: ())
     if not find_spec("wasmtime"):
         monkeypatch.setattr(
-            in_browser,
-            "modules",
-            lambda shape, scene: Modules(b"one", b"many", interface(scene, shape)),
+            in_browser, "module_for", lambda shape, scene: Module(b"one", interface(scene, shape))
         )
     monkeypatch.setattr(sheet, "_COUNT", 3)
     monkeypatch.setattr(device_sheet, "_picture", lambda _: "")
@@ -249,7 +247,7 @@ def on_page(text: str, shape: str) -> list[dict[str, float]]:
     assert settings.shape == shape
     parameters = device_of(as_parameters(values)).parameters
     if NODE:
-        by_page = evaluate({**model, "modules": None}, "asParameters(MODEL.baseline, MODEL)")
+        by_page = evaluate({**model, "engine": None}, "asParameters(MODEL.baseline, MODEL)")
         assert tuple(by_page) == PARAMETER_NAMES
         for name in PARAMETER_NAMES:
             value = getattr(parameters, name)
@@ -258,9 +256,9 @@ def on_page(text: str, shape: str) -> list[dict[str, float]]:
     run = simulate(parameters, settings)
     found = [{name: float(getattr(run, name)) for name in names}]
     if find_spec("wasmtime"):
-        binary = gzip.decompress(base64.b64decode(model["modules"]["run_one"]))
+        binary = gzip.decompress(base64.b64decode(model["engine"]))
         given = np.array([[each[0] for each in Batch.stack([parameters]).values.values()]])
-        results, _ = Browser(binary, "run_one", model["interface"]).run(given, rows=0, **control)
+        results, _ = Browser(binary, model["interface"]).run(given, rows=0, **control)
         by_name = RunResult(*results[0])._asdict()
         found.append({name: by_name[name] for name in names})
     if not NODE:
@@ -271,6 +269,6 @@ def on_page(text: str, shape: str) -> list[dict[str, float]]:
             )
         ]
     shown = [{n: v if np.isfinite(v) else None for n, v in one.items()} for one in found]
-    said = evaluate({**model, "modules": None, "found": shown},
+    said = evaluate({**model, "engine": None, "found": shown},
                     "MODEL.found.map((each) => judged(each, MODEL.baseline))")  # fmt: skip
     return [{n: math.nan if v is None else v for n, v in one.items()} for one in said]

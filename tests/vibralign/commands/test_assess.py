@@ -73,7 +73,9 @@ def test_json_holds_everything_in_the_units_of_the_device(capsys, monkeypatch):
     assert record["leeways"][0]["high"] == 15.0
     assert record["natural_frequencies"]["axial"] == pytest.approx(15.915, abs=1e-3)
     assert record["verdict"] == "depends on the base: measure it; no tolerances are stated"
-    assert record["assumptions"]["horizon"] == "3 s (300 units of 1/p)"
+    assert record["assumptions"]["horizon"] == (
+        "3 s (300 units of 1/p) until alignment, and as long again until insertion"
+    )
     assert record["unvibrated"] == "rests"
     assert 0.0 < record["slow_tilt"] < record["unvibrated_tilt"] < 0.2
     record = json.loads(said(capsys, "--json"))
@@ -164,7 +166,7 @@ def test_a_part_that_never_lands_has_no_speed_of_touching_down(capsys, monkeypat
 
 
 def test_a_mass_has_its_unit():
-    words = "mass = 0.2481 kg, restitution = 0.6"
+    words = "mass = 248.1 g, restitution = 0.6"
     assert named_words({"mass": 0.2481, "restitution": 0.6}) == words
     assert named_words({"edge_radius": 1e-4}) == "edge_radius = 0.1 mm"
 

@@ -6,16 +6,16 @@ from pathlib import Path
 import pytest
 
 from model.runs import in_browser
-from model.runs.in_browser import Modules, interface
+from model.runs.in_browser import Module, interface
 from vibralign.commands import main as cli
 
 PEG = str(Path(__file__).parents[2] / "square" / "peg.yaml")
 
 
 @pytest.fixture
-def engines(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Engines that are not compiled."""
-    monkeypatch.setattr(in_browser, "modules", lambda *_: Modules(b"one", b"many", interface()))
+def engine(monkeypatch: pytest.MonkeyPatch) -> None:
+    """An engine that is not compiled."""
+    monkeypatch.setattr(in_browser, "module_for", lambda *_: Module(b"one", interface()))
 
 
 def model_in(page: Path) -> dict:
@@ -24,7 +24,7 @@ def model_in(page: Path) -> dict:
     )
 
 
-@pytest.mark.usefixtures("engines")
+@pytest.mark.usefixtures("engine")
 def test_a_device_gets_a_page_in_its_units(tmp_path, capsys):
     page = tmp_path / "peg.html"
     assert (
@@ -37,7 +37,7 @@ def test_a_device_gets_a_page_in_its_units(tmp_path, capsys):
     assert origin["sets"] == {"press_force": "--set press_force=12"}
 
 
-@pytest.mark.usefixtures("engines")
+@pytest.mark.usefixtures("engine")
 def test_without_a_device_the_page_is_that_of_the_paper(tmp_path):
     page = tmp_path / "paper.html"
     assert cli.main(["explore", "--out", str(page)]) == cli.DONE

@@ -107,7 +107,8 @@ def test_a_map_of_a_device_is_over_any_of_its_quantities_with_units(tmp_path, ca
     assert "\rnodes and starts\033[K" in progress
     # The mass is the square of the time unit, √(M/K_Y) with 20 kN/m.
     units = f"{0.3 / math.sqrt(0.5 / 2e4):.4g} to {0.3 / math.sqrt(0.7 / 2e4):.4g}"
-    assert f"  horizon     300 ms ({units} units of 1/p), at the corners of the map\n" in said
+    words = "until alignment, and as long again until insertion, at the corners of the map"
+    assert f"  horizon     300 ms ({units} units of 1/p) {words}\n" in said
     assert "goal        inserted to a depth of 0.3 mm (half" in said
     with xr.open_dataset(out) as stored:
         np.testing.assert_allclose(stored["misalignment"], [3e-4, 4e-4, 5e-4])

@@ -7,15 +7,16 @@ import pytest
 
 from vibralign.commands import main as cli
 from vibralign.device import load_device
-from vibralign.device.stated import LIMITS, QUANTITIES
+from vibralign.device.limits import LIMITS
+from vibralign.device.stated import QUANTITIES
 
 EXAMPLES = Path(__file__).resolve().parents[3] / "docs" / "devices"
 FILLED = {
-    "mass": "0.25 kg", "axial_stiffness": "15 kN/m", "lateral_stiffness": "3 kN/m",
-    "tilt_stiffness": "6 Nm/rad", "axial_damping_ratio": "7 %", "lateral_damping_ratio": "7 %",
+    "mass": "0.25 kg", "axial_frequency": "39 Hz", "lateral_frequency": "17 Hz",
+    "tilt_frequency": "36 Hz", "axial_damping_ratio": "7 %", "lateral_damping_ratio": "7 %",
     "tilt_damping_ratio": "7 %", "amplitude": "0.8 mm", "frequency": "60", "press_force": "15 N",
-    "half_width": "4 mm", "half_height": "15 mm", "inertia": "120 kgmm²", "friction": "0.12",
-    "clearance": "0.5 %", "misalignment": "0.15 mm",
+    "diameter": "8 mm", "length": "30 mm", "inertia": "120 kgmm²", "friction": "0.12",
+    "play": "0.04 mm", "misalignment": "0.15 mm",
 }  # fmt: skip
 
 

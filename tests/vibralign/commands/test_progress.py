@@ -4,10 +4,8 @@ import logging
 import sys
 import time
 
-import numpy as np
-
 from model.engine.queue import Queue
-from model.runs import engines
+from model.runs import engine
 from vibralign.commands import main as cli
 from vibralign.commands import progress
 from vibralign.commands.progress import ProgressLine
@@ -15,26 +13,26 @@ from vibralign.commands.progress import ProgressLine
 COMMAND = ["assess", "--horizon", "3", "--tolerance", "1e-4"]
 
 
-def wait_a_moment(_rows: object, _tolerances: object, queue: Queue, _results: object) -> None:
-    """A kernel that takes 300 of 400 runs, and longer than ``engines._PAUSE``."""
+def wait_a_moment(queue: Queue) -> None:
+    """Take 300 of 400 runs, and longer than ``engine._PAUSE``."""
     queue[0] = 300
-    time.sleep(20.0 * engines._PAUSE)
+    time.sleep(20.0 * engine._PAUSE)
 
 
 def test_steps_and_runs_replace_each_other_on_one_line_of_a_terminal(capsys, monkeypatch):
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
-    monkeypatch.setattr(engines, "_PAUSE", 0.01)
+    monkeypatch.setattr(engine, "_PAUSE", 0.01)
     monkeypatch.setenv("COLUMNS", "40")
     with ProgressLine() as line:
         line.begin("leeways")
-        engines._on_cores(wait_a_moment, 1)(np.empty((400, 2)), np.empty(400))
+        engine.in_threads(wait_a_moment, 400)
         line.begin("a step whose name is wider than this terminal")
     err = capsys.readouterr().err
     shown = [each.removesuffix("\033[K") for each in err.split("\r")[1:]]
     assert shown[0] == "leeways"
     assert set(shown[1:-2]) == {"leeways: 300 of 400 runs"}
     assert shown[-2:] == ["a step whose name is wider than this te", ""]  # cleared at the end
-    assert not engines.PROGRESS.isEnabledFor(logging.INFO)
+    assert not engine.PROGRESS.isEnabledFor(logging.INFO)
 
 
 def test_a_log_gets_a_line_every_ten_seconds(capsys, monkeypatch):
@@ -43,7 +41,7 @@ def test_a_log_gets_a_line_every_ten_seconds(capsys, monkeypatch):
     with ProgressLine() as line:
         line.begin("leeways")
         for done in range(22):
-            engines.PROGRESS.info("%s of 22 runs", done)
+            engine.PROGRESS.info("%s of 22 runs", done)
     lines = capsys.readouterr().err.splitlines()
     assert lines == ["leeways: 8 of 22 runs, after 10 s", "leeways: 18 of 22 runs, after 20 s"]
 

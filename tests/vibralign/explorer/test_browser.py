@@ -14,7 +14,7 @@ from model.events.insertion import INSERTION
 from model.events.outcomes import Outcome
 from model.physics.parameters import Batch
 from model.runs.align import run_once
-from model.runs.in_browser import interface, modules
+from model.runs.in_browser import interface, module_for
 from model.runs.simulate import simulate
 from model.runs.trace import trace_run
 from study.config import load_study, study_path
@@ -37,7 +37,7 @@ MAPPED = "explorer.map && (explorer.map.stored || explorer.measured.map)"
 
 @pytest.fixture(scope="module")
 def url(tmp_path_factory: pytest.TempPathFactory) -> str:
-    made = modules()
+    made = module_for()
     file = tmp_path_factory.mktemp("explorer") / "explorer.html"
     file.write_text(build_page(study_model(STUDY, made.interface), made), encoding="utf-8")
     return file.as_uri()

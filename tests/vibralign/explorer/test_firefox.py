@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from model.runs.in_browser import modules
+from model.runs.in_browser import module_for
 from model.runs.simulate import simulate
 from study.config import load_study, study_path
 from study.explorer import study_model
@@ -103,7 +103,7 @@ def firefox(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Firefox]:
 
 
 def test_opens_from_a_file_runs_and_maps(firefox: Firefox, tmp_path: Path) -> None:
-    made, file = modules(), tmp_path / "explorer.html"
+    made, file = module_for(), tmp_path / "explorer.html"
     file.write_text(build_page(study_model(STUDY, made.interface), made), encoding="utf-8")
     firefox.call("WebDriver:Navigate", url=f"{file.as_uri()}#figure=fig05&t=1")
     firefox.wait_for("window.explorer && explorer.run")

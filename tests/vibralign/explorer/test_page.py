@@ -11,11 +11,12 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from model.engine.track import COLUMNS
 from model.events.outcomes import OUTCOME_TEXT, Outcome, Reason, remedy
 from model.physics.parameters import FIELDS, OF_PAPER
-from model.runs.in_browser import Modules, interface
+from model.runs.in_browser import Module, interface
 from model.runs.settings import Settings
-from model.runs.trace import COLUMNS, Trace
+from model.runs.trace import Trace
 from model.sweeps.io import write_dataset
 from study.config import MAPS, load_study, study_path
 from study.explorer import study_model
@@ -26,7 +27,7 @@ from vibralign.explorer.page import SCRIPTS, build_page, run_page
 
 STUDY = load_study(study_path())
 INTERFACE = interface()
-MODULES = Modules(b"\0asm one", b"\0asm many", INTERFACE)
+MODULE = Module(b"\0asm", INTERFACE)
 PEG = Path(__file__).parents[2] / "square/peg.yaml"
 
 
@@ -43,11 +44,11 @@ def unpacked(text: str) -> bytes:
 
 @pytest.fixture(scope="module")
 def page() -> str:
-    return build_page(study_model(STUDY, INTERFACE), MODULES)
+    return build_page(study_model(STUDY, INTERFACE), MODULE)
 
 
 def test_the_same_inputs_give_the_same_bytes(page: str) -> None:
-    assert build_page(study_model(STUDY, INTERFACE), MODULES) == page
+    assert build_page(study_model(STUDY, INTERFACE), MODULE) == page
 
 
 def test_page_needs_no_network(page: str) -> None:
@@ -65,7 +66,7 @@ def test_page_knows_every_parameter_outcome_and_remedy(page: str) -> None:
     assert model["outcomes"]["0"] == OUTCOME_TEXT[Outcome.ALIGNED]
     assert model["remedies"]["2,2"] == remedy(Outcome.LEFT_SCENE, Reason.OVERSHOT)
     assert len(model["events"]) == len(INTERFACE["events"])
-    assert unpacked(model["modules"]["run_one"]) == MODULES.run_one
+    assert unpacked(model["engine"]) == MODULE.binary
 
 
 def test_presets_are_the_operating_points_of_figures_and_hard_cases(page: str) -> None:
@@ -82,7 +83,7 @@ def test_presets_are_the_operating_points_of_figures_and_hard_cases(page: str) -
 def test_text_cannot_end_the_script_that_holds_it() -> None:
     model = study_model(STUDY, INTERFACE)
     model["presets"]["fig06"]["words"] = "</script><b>"
-    page = build_page(model, MODULES)
+    page = build_page(model, MODULE)
     assert page.count("</script>") == 2
     assert model_in(page)["presets"]["fig06"]["words"] == "</script><b>"
 
@@ -129,7 +130,7 @@ def test_a_run_page_holds_its_track_and_no_engine(rows: int) -> None:
     results = dict.fromkeys(INTERFACE["results"], 1.0) | {"tau_align": np.nan, "tracked": rows}
     model = device_model(STUDY.baseline.given(), None, "", Settings(), INTERFACE)
     found = model_in(run_page(model, Trace(results, track)))
-    assert "modules" not in found
+    assert "engine" not in found
     assert found["run"]["results"]["tau_align"] is None
     stored = np.frombuffer(unpacked(found["run"]["track"])).reshape(-1, len(COLUMNS))
     assert found["run"]["results"]["tracked"] == len(stored) <= 20_000

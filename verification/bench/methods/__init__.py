@@ -10,15 +10,14 @@ from model.physics.parameters import Parameters
 from model.runs.settings import Settings
 from verification.bench.methods.base import Method
 from verification.bench.methods.by_hand import FixedSteps
-from verification.bench.methods.package import BatchEngine, Package
+from verification.bench.methods.package import Package
 from verification.bench.methods.scipy_unlocated import ScipyUnlocated
 from verification.bench.problems import Problem
 
 _TOGETHER = 16  # runs that spread the cost of a call, where they are short
 
 METHODS: Mapping[str, Method] = {
-    "dop853_located": Package("DOP853, events located", "scalar", batch=_TOGETHER),
-    "batch_located": BatchEngine("batch engine, events located", batch=_TOGETHER),
+    "taylor_located": Package("Taylor series, events located", batch=_TOGETHER),
     "rk4_fixed": FixedSteps("RK4, fixed steps", "rk4"),
     "semi_implicit_euler_fixed": FixedSteps(
         "semi-implicit Euler, fixed steps", "semi_implicit_euler"

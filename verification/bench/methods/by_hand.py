@@ -23,7 +23,6 @@ from model.compile.kernels import inlined_kernel, kernel
 from model.engine.lifecycle import start
 from model.engine.rates import moved
 from model.engine.record import constants_in
-from model.engine.scalar.step import state_of, store_in
 from model.events.event_functions import (
     FLAT,
     LARGEST_TILT,
@@ -47,6 +46,19 @@ from verification.bench.methods.base import Method
 from verification.bench.problems import Problem, Solution, Verdict
 
 _EVERY_CONTACT, _EVENTS = in_kernels(ALIGNMENT)
+
+
+@inlined_kernel
+def state_of(y):
+    """Return the state vector ``y``, shape (6,), as a ``State``."""
+    return State(*(y[n] for n in range(STATE_SIZE)))
+
+
+@inlined_kernel
+def store_in(q, out):
+    """Write a state, or its rates, into ``out``, shape (6,)."""
+    for n, value in enumerate(q):
+        out[n] = value
 
 
 @inlined_kernel

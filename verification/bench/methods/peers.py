@@ -17,14 +17,13 @@ _PEERS = (
 
 
 def all_methods(say: Callable[[str], None]) -> list[Method]:
-    """Return the package's engines, then the installed peers; report the others by ``say``.
+    """Return the package, then the installed peers; report the others by ``say``.
 
     Ratios refer to the first method.
     """
     methods: list[Method] = [
-        Package("vibralign batch", engine="batch"),
-        OneRun("vibralign batch, one run", engine="batch"),
-        Package("vibralign scalar", engine="scalar"),
+        Package("vibralign"),
+        OneRun("vibralign, one run"),
     ]
     for module, name, arguments in _PEERS:
         try:

@@ -15,8 +15,7 @@ from vibralign.plots import style
 
 # Thick: with event location; orange and purple: fixed steps; the others: scipy.
 LOOKS: Mapping[str, Mapping[str, Any]] = {
-    "dop853_located": {"color": style.BLUE, "marker": "o", "linestyle": "-", "linewidth": 2.2},
-    "batch_located": {"color": style.VERMILLION, "marker": "s", "linestyle": "-", "linewidth": 2.2},
+    "taylor_located": {"color": style.BLUE, "marker": "o", "linestyle": "-", "linewidth": 2.2},
     "rk4_fixed": {"color": style.ORANGE, "marker": "^", "linestyle": "-"},
     "semi_implicit_euler_fixed": {"color": style.PURPLE, "marker": "v", "linestyle": "-"},
     "scipy_rk45": {"color": style.SKY_BLUE, "marker": "P", "linestyle": ":"},

@@ -1,1 +1,0 @@
-"""The readable reference engine: one run at a time."""
