@@ -136,8 +136,8 @@ STATED = [
     # Maps mark where other figures stand: they are drawn anew, and not computed.
     ({"figures": {"fig11": {"held": {"press_force": 2.6}}}},
      {"sweep", "explorer", *DRAWN, *WEIGHED}),
-    ({"figures": {"fig11": {"title": "Another title"}}}, {"sweep", "explorer", *DRAWN}),
-    # Captions stand on the two pages, and in no dataset.
+    # Words stand on the two pages, and in no dataset.
+    ({"figures": {"fig11": {"title": "Another title"}}}, {"explorer", *LAST}),
     ({"figures": {"fig11": {"caption": "Another caption."}}}, {"explorer", *LAST}),
     ({"figures": {"fig13": {"caption": "Another caption."}}}, {"explorer", *LAST}),
     ({"figures": {"fig13": {"chunks": 2}}}, {"chunk", "merge", "explorer", *DRAWN}),

@@ -41,9 +41,6 @@ rule sweep:
     params:
         *code("sweep"),
         sweep=sweep,
-        title=lambda wildcards: (
-            study.jamming if wildcards.name == "jamming" else study.spec_of(wildcards.name)
-        ).title,
     message:
         "{wildcards.name}: computing its sweep"
     script:
@@ -88,7 +85,6 @@ rule merge:
     params:
         *code("merge"),
         sweep=sweep,
-        title=lambda wildcards: study.spec_of(wildcards.name).title,
     message:
         "{wildcards.name}: merging its chunks"
     script:

@@ -10,6 +10,7 @@ with recorded(snakemake) as metadata:
     sweep = Sweep.model_validate(snakemake.params.sweep)
     files = [Path(file) for file in snakemake.input]
     chunks = read_chunks(files, sweep.name, sweep.identity)
-    dataset = merge(sweep, snakemake.params.title, chunks)
+    # Not the title of the configuration: another one would make the dataset anew.
+    dataset = merge(sweep, f"{sweep.name} of the study of vibratory alignment", chunks)
     write_dataset(dataset, Path(snakemake.output.data))
     metadata |= {**sweep.metadata, "counts": outcome_counts(dataset)}

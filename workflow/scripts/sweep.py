@@ -8,6 +8,8 @@ from study.tracking.records import recorded, snakemake
 
 with recorded(snakemake) as metadata:
     sweep = Sweep.model_validate(snakemake.params.sweep)
-    dataset = merge(sweep, snakemake.params.title, [run(sweep)])
+    # Not the title of the configuration: another one would make the dataset anew.
+    title = f"{sweep.name} of the study of vibratory alignment"
+    dataset = merge(sweep, title, [run(sweep)])
     write_dataset(dataset, Path(snakemake.output.data))
     metadata |= {**sweep.metadata, "counts": outcome_counts(dataset)}

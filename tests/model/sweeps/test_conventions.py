@@ -57,7 +57,7 @@ def map_over_force(device: Parameters) -> Sweep:
 def map_in_si() -> Sweep:
     settings = RunSettings(readings="consistent", horizon=20.0, tolerance=1e-6)
     x = QuantityAxis(parameter="tilt_stiffness", start=0.3, stop=1.0, count=3)
-    y = QuantityAxis(parameter="initial_tilt", start=0.001, stop=0.003, count=3)
+    y = QuantityAxis(parameter="gripper_tilt", start=0.001, stop=0.003, count=3)
     starts = Ensemble(phases=2, tilts=[1.0], every=1)
     return map_of(load_device(PEG), settings, (x, y), starts)
 
@@ -80,7 +80,7 @@ def swept(study: Study, name: str) -> xr.Dataset:
 def design() -> xr.Dataset:
     stated = load_device(PEG)
     settings = [(force, 0.3) for force in (8.0, 9.0)]
-    tried = tried_of(settings, [(1.0, 2.0, 0.1, 20.0, 0.1, np.nan)] * 2, stated.free)
+    tried = tried_of(settings, [(1.0, 2.0, 0.1, 20.0, 0.1, np.nan, 9.0, 1e-3)] * 2, stated.free)
     return design_dataset(stated, Design(tried, 0, {}, {}, stated.free))
 
 
@@ -164,9 +164,9 @@ def test_every_file_says_where_it_comes_from(written):
 def test_nan_is_a_missing_value_and_an_angle_is_in_radians(written):
     with netCDF4.Dataset(written["map_in_si"]) as file:
         assert np.isnan(file["tau_align"]._FillValue)
-        assert "_FillValue" not in file["initial_tilt"].ncattrs()
+        assert "_FillValue" not in file["gripper_tilt"].ncattrs()
         assert np.ma.is_masked(file["tau_align"][:])
-        assert file["initial_tilt"].units == file["phase"].units == "radian"
+        assert file["gripper_tilt"].units == file["phase"].units == "radian"
         assert file["inertia"].units == "kg m²"
     with netCDF4.Dataset(written["fig05"]) as file:
         assert file["tilt"].units == file["rest_tilt"].units == "radian"
