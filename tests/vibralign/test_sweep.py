@@ -48,7 +48,9 @@ def found() -> xr.Dataset:
 def pressed(tmp_path_factory) -> Path:
     path = tmp_path_factory.mktemp("pressed") / "pressed.yaml"
     path.write_text(
-        PEG.read_text(encoding="utf-8") + "approach_speed: 3 mm/s\nvibrator: still\n",
+        PEG.read_text(encoding="utf-8").replace(
+            "approach_speed: sudden", "vibrator: still\napproach_speed: 3 mm/s"
+        ),
         encoding="utf-8",
     )
     return path

@@ -10,7 +10,7 @@ from model.physics.parameters import Shape, check_name
 from model.physics.units import device
 from model.sweeps import files
 from vibralign.device.amounts import read_amount, read_range
-from vibralign.device.approach import SPEED, SUDDEN, read_start
+from vibralign.device.approach import SPEED, SUDDEN, read_start, with_changes
 from vibralign.device.base import BASE
 from vibralign.device.instead import replaced_by, with_parameters
 from vibralign.device.limits import read_limits
@@ -38,7 +38,7 @@ def load_device(path: Path | str, changes: Mapping[str, object] | None = None) -
     mapping = {name: value for name, value in _mapping(path).items() if name not in replaced}
     try:
         at, now = _one_frequency(mapping), {**mapping, **changes}
-        vibrator, sudden = read_start(now)
+        vibrator, sudden = read_start(with_changes(mapping, changes))
         amounts = amounts_of(mapping, at, _diameter(now))
         others = amounts_of(changes, _one_frequency(now), _diameter(now))
         parts, changed = by_quantity(amounts), by_quantity(others)

@@ -283,7 +283,9 @@ def test_reliable_forces_are_asked_in_si_units():
 def test_python_keeps_the_start_of_the_file_and_asks_what_assess_asks(tmp_path):
     path = tmp_path / "peg.yaml"
     path.write_text(
-        PEG.read_text(encoding="utf-8") + "approach_speed: 3 mm/s\nvibrator: still\n",
+        PEG.read_text(encoding="utf-8").replace(
+            "approach_speed: sudden", "vibrator: still\napproach_speed: 3 mm/s"
+        ),
         encoding="utf-8",
     )
     pressed = load_device(path)
@@ -306,4 +308,4 @@ def test_python_keeps_the_start_of_the_file_and_asks_what_assess_asks(tmp_path):
         reliable_at(pressed)
         reliable_at(stated)
     assert {each.scene.name for each in asked} == {"insertion"}
-    assert [*dict.fromkeys(each.start for each in asked)] == ["still", None]
+    assert [*dict.fromkeys(each.start for each in asked)] == ["still", "simultaneous"]
