@@ -185,6 +185,13 @@ class StatedDevice(Value):
         own = {} if speed is None else {SPEED: speed}
         return replace(self, vibrator=vibrator, quantities={**self.quantities, **own})
 
+    @property
+    def stated_start(self) -> dict[str, float | str]:
+        """What states its start, as ``changed`` takes it."""
+        speed = SUDDEN if self.sudden else self.quantities.get(SPEED)
+        stated = {SPEED: speed, "vibrator": self.vibrator}
+        return {name: each for name, each in stated.items() if each is not None}
+
     def changed(self, **changes: float | str) -> "StatedDevice":
         """Return the device with other values and the same tolerances.
 
@@ -196,7 +203,7 @@ class StatedDevice(Value):
             ValueError: an unknown quantity, or a text that is no amount.
         """
         for name in changes:
-            if name not in ("vibrator", SPEED):
+            if name != "vibrator":
                 check_quantity(name)
         vibrator, sudden = read_start(with_changes(self.stated_start, changes))
         changed = by_quantity(amounts_of(changes, self.quantities.get("frequency")))
@@ -209,17 +216,8 @@ class StatedDevice(Value):
         all_changes: dict[str, object] = {**self.changes, **changes}
         kept = kept_amplitude(self.quantities, self.written, changes)
         notes = tuple(dict.fromkeys([*self.notes, *kept]))
-        start: dict[str, Any] = {"vibrator": vibrator, "sudden": sudden}
-        return replace(
-            self, **merged, **start, materials=materials, changes=all_changes, notes=notes
-        )
-
-    @property
-    def stated_start(self) -> dict[str, float | str]:
-        """What states its start, as ``changed`` takes it."""
-        speed = SUDDEN if self.sudden else self.quantities.get(SPEED)
-        stated = {SPEED: speed, "vibrator": self.vibrator}
-        return {name: each for name, each in stated.items() if each is not None}
+        merged |= {"vibrator": vibrator, "sudden": sudden}
+        return replace(self, **merged, materials=materials, changes=all_changes, notes=notes)
 
     def run_settings(self, settings: Settings, units: Units) -> Settings:
         """Return ``settings`` with what is stated for runs; ``units`` are those of the device.
