@@ -100,7 +100,7 @@ def _errors(batch: Batch, settings: Settings, _longer: float, cores: int) -> Tab
 
 
 def _repeats(p: Parameters, settings: Settings, since: float, cycle: float) -> tuple[int, bool]:
-    """Return (outcome at the horizon, whether the motion repeats), by runs of the batch engine.
+    """Return (outcome at the horizon, whether the motion repeats), by runs.
 
     The motion repeats if all cycles after ``since``, each of length ``cycle``, have on average as
     many events and lift-offs as the first.
@@ -119,10 +119,10 @@ def _repeats(p: Parameters, settings: Settings, since: float, cycle: float) -> t
 def _settled(batch: Batch, settings: Settings, longer: float, cores: int) -> Table:
     """Return default runs, and for settled ones the motion up to ``longer`` times the horizon.
 
-    The reference engine runs twice, with and without the end by settling, so that both motions are
+    A set runs twice, with and without the end by settling, so that both motions are
     the same up to the end. After a chaotic transient its motion may differ from that of ``align``
     and settle after the horizon; the end is then taken where it settles. If it never settles, a run
-    of the batch engine is continued instead.
+    is continued instead.
     """
     runs = align(batch, settings, cores=cores)
     long = replace(settings, horizon=longer * settings.horizon, max_evaluations=_UNBOUNDED)
@@ -271,7 +271,7 @@ def judge_settled(table: Table) -> list[Check]:
     return [
         Check("sets", f"{settled.size}"),
         Check("sets that settle", f"{int(settled.sum())}"),
-        Check("of these, not on the reference engine's course", f"{settled.sum() - moved.size}"),
+        Check("of these, not on the course of another tolerance", f"{settled.sum() - moved.size}"),
         Check("wrongly settled", f"{int(wrong.sum())}" + (f": sets {numbers}" if numbers else ""),
                 "0", not wrong.any()),
         Check("farthest motion afterwards", f"{moved.max() if moved.size else 0.0:.1e}",

@@ -2,7 +2,7 @@
 
 Cases are an operating point of each kind of motion, and scenes that are hard to integrate. The true
 solution is the independent one (``verification.independent``), or, where that takes too long, that
-of the reference engine at a far smaller tolerance. Errors and evaluations are the
+of the package at a far smaller tolerance. Errors and evaluations are the
 same in every build; CPU times are not, and are kept in a table of their own.
 
 ``make bench`` also uses ``climbed``, the ladder of resolutions, and ``cpu_microseconds``, the time
@@ -41,7 +41,7 @@ class Truth:
     """True solution of a case.
 
     ``uncertainty`` is the distance of a second solution: in alignment time, or in the final state.
-    That is the reference engine's beside an independent solution, a coarser run beside one of the
+    That is the package's beside an independent solution, a coarser run beside one of the
     engine; infinite if they end in different ways.
     """
 

@@ -43,7 +43,7 @@ def inlined_kernel(function: Function) -> Function:
 
 
 def separate_kernel(function: Function) -> Function:
-    """Mark a kernel with machine code of its own: both engines and all scenes share it."""
+    """Mark a kernel with machine code of its own: all scenes share it."""
     return kernel(function, Marks(separate=True))
 
 

@@ -1,7 +1,7 @@
 """Machine code: LLVM optimises a module's text and writes an object, which is loaded.
 
 Kernels may use the widest vectors of the processor. LLVM prefers 256 bits on processors with 512,
-which may then run at a higher clock; the loops of the batch engine gain more from the width.
+which may then run at a higher clock; the loops of the engine gain more from the width.
 """
 
 import ctypes

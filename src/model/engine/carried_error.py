@@ -152,10 +152,10 @@ def _is_continuous(kind, before, after):
 
 
 @separate_kernel
-def apply_saltation(events, which, q, before, runs, i):
+def apply_saltation(events, which, q, rates, before, runs, i):
     """Carry the error of run ``i`` through the event ``which``, after the change of its mode.
 
-    ``q`` and ``before`` are its state at the event and its mode before it.
+    ``q``, ``rates`` and ``before`` are its state at the event, their rates and its mode before it.
     """
     time, p, after = runs[i, AT.time], constants_of(events, runs, i), mode_of(runs, i)
     error = state_in(runs, ERROR, i)
@@ -164,7 +164,7 @@ def apply_saltation(events, which, q, before, runs, i):
         return
     if _is_continuous(kind_of(events, which), before, after):
         return
-    rates, rates_after = rates_at(time, q, p, before), rates_at(time, q, p, after)
+    rates_after = rates_at(time, q, p, after)
     unit = moved(STILL, 1.0 / size, error)
     across = size * _derivative(events, which, time, q, p, before, unit, 0.0)
     late = -across / _derivative(events, which, time, q, p, before, rates, 1.0)

@@ -59,6 +59,23 @@ def state_at(theta, w, lane):
 
 
 @inlined_kernel
+def _slope_of(line, time, w, lane):
+    """The rate of a line at ``time`` after the step's start."""
+    slope = 0.0
+    for order in range(ORDER, 0, -1):
+        slope = slope * time + order * w[(COEFFICIENTS + order * LINES + line) * WIDTH + lane]
+    return slope
+
+
+@kernel
+def rates_in_step(q, theta, w, lane):
+    """The rates of the state ``q`` at the fraction ``theta`` of the step, from its series."""
+    time = theta * w[STEP_LENGTH * WIDTH + lane]
+    accelerations = tuple(_slope_of(STATE_SIZE // 2 + n, time, w, lane) for n in range(3))
+    return State(q.x_rate, q.y_rate, q.tilt_rate, *accelerations)
+
+
+@inlined_kernel
 def _value(each, theta, series):
     """A quantity at the fraction ``theta`` of the step.
 

@@ -1,4 +1,4 @@
-"""Events in the lanes of the batch engine: which apply, their levels, and kernels on them.
+"""Events in lanes: which apply, their levels, and kernels on them.
 
 Input: an event table. Output: its ``LaneEvents``, for step.py, event_search.py and scheduling.py.
 Events that apply in no mode of the lanes are left out.

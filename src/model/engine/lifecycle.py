@@ -68,7 +68,7 @@ class Control(NamedTuple):
             own tolerance is larger; 0.0 if runs may not stop in periodic steady state.
         alignment_only: 1.0 to end at alignment, without the largest tilt and force, else 0.0.
         start: number of the start: see physics/approach.py.
-        carries_error: 1.0 to carry the error along (batch engine only), else 0.0.
+        carries_error: 1.0 to carry the error along, else 0.0.
     """
 
     horizon: float

@@ -16,7 +16,7 @@ from model.compile.kernels import inlined_kernel, kernel
 from model.compile.vector_code import WIDTH
 from model.engine import workspace
 from model.engine.carried_error import apply_saltation, carry_error, error_of_time
-from model.engine.event_search import NO_EVENT, first_event, state_at
+from model.engine.event_search import NO_EVENT, first_event, rates_in_step, state_at
 from model.engine.lane_events import QUANTITIES, TERMS, LaneEvents, applicable_in, kind_of
 from model.engine.lifecycle import (
     History,
@@ -197,7 +197,8 @@ def _advance_to_event(which, theta, scene, lanes, history, control, track, w, la
             if aligns or runs[i, AT.outcome] != CONTINUES:
                 error = error_of_time(scene.events, which, q, before, runs, i)
                 runs[i, AT.time_error if aligns else AT.end_error] = error
-            apply_saltation(scene.events, which, q, before, runs, i)
+            rates = rates_in_step(q, theta, w, lane)
+            apply_saltation(scene.events, which, q, rates, before, runs, i)
         if runs[i, AT.events_at_once] == 0.0:
             runs[i, AT.next_step] *= _MOST_GROWTH
         end_step(scene, False, history, control, runs, i)

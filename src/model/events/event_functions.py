@@ -2,7 +2,7 @@
 
 An event function is positive while a mode holds; its event is its down-crossing of zero. It takes
 the quantities of one source (``sources``) and is a constant plus multiples of them, or of the
-absolute value of one: a form that the batch engine can bound and search. It does not branch on the
+absolute value of one: a form that the engine can bound and search. It does not branch on the
 mode; where the form depends on the mode, the table states several cases.
 
 A condition on several quantities at once is the largest of them, each negative where its own

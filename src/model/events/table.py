@@ -2,7 +2,7 @@
 
 An event happens where its event function crosses zero downward; the value of an event function is
 called its level. All code that works on events is generated from this table: sampling and event
-location in both engines, closest approaches for the test of periodic steady state, and transitions
+location, closest approaches for the test of periodic steady state, and transitions
 to the next mode or to the end of the run. To add a contact, add its law to the physics, and to the
 table the events that begin it, end it and change its friction.
 """

@@ -57,7 +57,7 @@ class Applied(NamedTuple):
 
 @inlined_kernel
 def applied_forces(time, q, p):
-    """``Applied`` in the state ``q`` at ``time``: a force added here acts in both engines."""
+    """``Applied`` in the state ``q`` at ``time``: a force added here acts in every run."""
     return Applied(
         lateral_suspension(q, p),
         axial_suspension(q, p) + press(time, p) + excitation(time, p),

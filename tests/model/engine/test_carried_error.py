@@ -84,7 +84,8 @@ def test_an_error_passes_an_event_as_a_displaced_run_does(event, before, after, 
     ]
     assert bound == pytest.approx(np.abs(alone).sum(), rel=1e-3)
     assert bound >= abs(late) * (1.0 - 1e-3)
-    apply_saltation(EVENTS, which, State(*start), before, runs, 0)
+    rates = rates_of(NOW, State(*start), p, before)
+    apply_saltation(EVENTS, which, State(*start), rates, before, runs, 0)
     found = runs[0, ERROR : ERROR + 6]
     np.testing.assert_allclose(found, expected, atol=2e-4 * np.abs(expected).max())
     # Accelerations jump where a slip changes, and are continuous where a load vanishes.

@@ -93,9 +93,13 @@ crossing, enter_series, fill_series, fill_errors, level_at = map(
         series_kernels.fill_errors, level,
     ),
 )  # fmt: skip
-largest_force, largest_tilt, motion, step_all = map(
-    compiled, (peaks.largest_force, peaks.largest_tilt, motion_at, step.step_all)
-)
+largest_force, largest_tilt, motion, rates_in_step, step_all = map(
+    compiled,
+    (
+        peaks.largest_force, peaks.largest_tilt, motion_at, event_search.rates_in_step,
+        step.step_all,
+    ),
+)  # fmt: skip
 
 
 def kind_of(support: int, side: int) -> int:
@@ -205,6 +209,19 @@ def residual(step: Step, time: float) -> float:
         right = np.array([q.x_rate, q.y_rate, q.tilt_rate, at.x, at.y, at.tilt])
         missed = max(missed, float(np.abs(step.rates(time, lane) - right).max()))
     return missed
+
+
+@each_kind
+def test_rates_in_a_step_are_those_of_the_motion(shape: str, support: int, side: int) -> None:
+    step = Step(support, side, 0.1, shape=shape)
+    for lane in range(WIDTH):
+        length = step.w[workspace.STEP_LENGTH, lane]
+        for theta in (0.0, 0.4, 1.0):
+            q = State(*step.at(theta * length, lane)[:6].tolist())
+            found = rates_in_step(q, theta, step.w.reshape(-1), lane)
+            at = motion(0.3 + theta * length, q, step.constants(lane), step.mode(lane))
+            expected = (q.x_rate, q.y_rate, q.tilt_rate, at.x, at.y, at.tilt)
+            assert found == pytest.approx(expected, rel=1e-9, abs=1e-9)
 
 
 @each_kind

@@ -6,10 +6,10 @@ import sys
 
 import numpy as np
 import pytest
-from model.runs.engines import batch_engine
 
 from model.compile.machine_code import floats_in_a_vector
 from model.compile.vector_code import WIDTH, WIDTHS
+from model.runs.engine import engine_for
 from verification.fuzz import SCENES, draw
 
 PROGRAM = """\
@@ -43,7 +43,7 @@ def test_a_row_of_a_batch_equals_the_same_run_alone_with_its_error(scene: str) -
     settings, laws = SCENES[scene]
     rows = settings.rows(draw(23, 0, 4 * WIDTH + 1, laws))
     tolerances = np.geomspace(1e-7, 1e-11, len(rows))
-    run = batch_engine(settings, carries_error=True)
+    run = engine_for(settings, carries_error=True)
     together = run(rows, tolerances)
     for n in range(len(rows)):
         (alone,) = run(rows[n : n + 1], tolerances[n : n + 1])

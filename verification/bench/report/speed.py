@@ -65,7 +65,7 @@ def _counts(settings: Sequence[Setting], study: Study) -> list[str]:
 
 
 def _checked(settings: Sequence[Setting], study: Study) -> str:
-    """Return how far the independent solutions are from those of the reference engine."""
+    """Return how far the independent solutions are from those of the package."""
     independent = {*study.precision.cases, *study.precision.hard.independent}
     first = {each.case: each for each in reversed(settings) if each.case in independent}
     alike = [each for each in first.values() if math.isfinite(each.uncertainty)]
