@@ -4,8 +4,8 @@
 # make test       the environment, every check and every test
 # make maps       the stability maps that the paper does not have
 # make accuracy   the integrator's errors on thousands of random sets: printed, and results/accuracy
-# make identification  the search for the device, from nothing: hours; a restart goes on
-# make hold-out   the search on half of the figures, judged by the other half: some minutes
+# make identification  the searches for the device, from nothing: some minutes each
+# make null       random devices drawn anew: after priors, ledger, physics or their grid have changed
 # make fuzz       random sets over the whole domain of the parameters; SETS=1000000 for a million, to
 #                 which finished parts count; SCENE=insertion for devices that fall in
 # make truth      alignment times against heyoka, in the environment of `make bench`
@@ -43,7 +43,7 @@ cores_of_study := -c$(CORES)
 endif
 unexport PYTHONHOME PYTHONPATH PYTHONDONTWRITEBYTECODE
 
-.PHONY: all smoke maps accuracy identification hold-out fuzz
+.PHONY: all smoke maps accuracy identification null fuzz
 .PHONY: test lint types layers workflow unit environment environment-bench python lock
 .PHONY: truth truth-round bench nightly script-types browser-test slurm-test docs
 .PHONY: clean distclean
@@ -72,8 +72,8 @@ accuracy: environment
 identification: environment
 	$(call run_study,identification)
 
-hold-out: environment
-	$(call run_study,hold_out)
+null: environment
+	$(call run_study,null)
 
 SETS ?= 10000
 SCENE ?= alignment

@@ -83,26 +83,7 @@ TINY: dict[str, Any] = {
             },
         },
     },
-    "claims_runs": {
-        name: {"swept": {"count": 2}}
-        for name in ("centred", "pressed", "misaligned", "displaced", "rubbing", "by_frequency")
-    },
-    "evidence": {
-        "grid": {
-            "counts": {
-                **dict.fromkeys((*CURVES, *MAPS), 2),
-                **dict.fromkeys(("centred", "pressed", "misaligned", "displaced"), 2),
-                **dict.fromkeys(("rubbing", "by_frequency"), 2),
-                **{f"coarse_{number}": 2 for number in ("06", "09", "10", "11", "13", "14")},
-            },
-            "horizon": 5.0,
-            "tolerance": 1e-5,
-        },
-        "draws": {
-            "devices": {"count": 3, "parts": 2},
-            **{kind: {"count": 1} for kind in ("points", "off_2", "off_5")},
-        },
-    },
+    "evidence": {"near": 1, "assumptions": []},
     "jamming": {"tilt_stiffness": {"count": 2}, "friction": {"count": 2}},
 }
 STUDY = ["--configfile", "config/tiny.yaml"]

@@ -25,7 +25,7 @@ from model.physics.units import UNITS
 from model.sweeps.io import unit_in_file
 from study import __main__ as of_study
 from study.config import Study
-from verification.bench.report.checks import CHECKS, HEAD
+from verification.bench.report.checks import CHECKS, HEAD, SPEED_HEAD, SPEEDS
 from vibralign.commands import main as of_tool
 
 
@@ -218,6 +218,7 @@ def _variables_of(table: Mapping[str, Result]) -> str:
 
 GENERATED: dict[str, Callable[[], str]] = {
     "checks": lambda: _table((name.removeprefix(">") for name in HEAD), CHECKS),
+    "speeds": lambda: _table((name.removeprefix(">") for name in SPEED_HEAD), SPEEDS),
     "commands": _commands,
     "events": _events,
     "configuration": _configuration,

@@ -1,8 +1,6 @@
 """Sweeps of the study, as the configuration states them."""
 
-from model.sweeps.io import VARIABLES
 from model.sweeps.sweep import Sweep
-from model.sweeps.tracks import TRACK_QUANTITIES
 from study.config.figures import Curves, History, Schematic
 from study.config.study import Study
 
@@ -18,16 +16,6 @@ def sweep_of(study: Study, name: str) -> Sweep:
     Raises:
         ValueError: the figure is a drawing.
     """
-    if name in study.claims_runs:
-        run = study.claims_runs[name]
-        return Sweep(
-            name=name,
-            kind="curves",
-            parameters=study.claim_parameters(name).given(),
-            settings=study.settings,
-            dimensions=[run.family, run.swept],
-            variables=(*VARIABLES, *TRACK_QUANTITIES),
-        )
     if name == "jamming":
         slot = study.jamming
         return Sweep(

@@ -6,7 +6,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from study.jamming_plot import draw_jamming
-from vibralign.plots.curves import curves, draw_runs
+from vibralign.plots.curves import curves
 from vibralign.plots.history import history
 from vibralign.plots.maps import stability_map, vibration_map
 
@@ -24,5 +24,5 @@ def draw(dataset: xr.Dataset) -> Figure:
 
 
 DRAWINGS: Mapping[str, Callable[..., Figure]] = {
-    "figure": draw, "vibration": vibration_map, "claims": draw_runs, "jamming": draw_jamming,
+    "figure": draw, "vibration": vibration_map, "jamming": draw_jamming,
 }  # fmt: skip

@@ -1,6 +1,7 @@
-"""Results of the small study, and of the comparison of methods, as fixtures."""
+"""Results of the small study, made-up datasets and the comparison of methods, as fixtures."""
 
 from tests.comparison_data import timed_settings
 from tests.study.report_data import datasets, lines, rendered, root, study
+from tests.vibralign.plots.conftest import family
 
-__all__ = ["datasets", "lines", "rendered", "root", "study", "timed_settings"]
+__all__ = ["datasets", "family", "lines", "rendered", "root", "study", "timed_settings"]

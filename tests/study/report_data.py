@@ -10,9 +10,9 @@ import xarray as xr
 
 from model.sweeps.io import write_dataset
 from model.sweeps.sweep import merge, run
-from study.claims import CLAIMS, VERDICTS, Tables, judge
+from study.claims import CLAIMS, VERDICTS, figure_of, judge
 from study.claims.ledger import ledger_text, lines_of
-from study.evidence.worth import weighed
+from study.claims.locked import locked_of
 from study.plans import sweep_of
 from study.report import page as report_page
 from study.report.section import Results
@@ -89,40 +89,36 @@ def datasets(study):
     return found
 
 
-def weighed_data() -> dict[str, xr.Dataset]:
-    """Verdicts on four random devices and two further draws, and under two assumptions.
+def cases_data() -> xr.Dataset:
+    """Verdicts on the device, off by a little, under an assumption, and on another device.
 
-    The first device shows every claim, the second every other one; the third and fourth show none.
+    The device shows every entry, the one off by a little every other one, the others none.
     """
-    claims = [claim.id for claim in CLAIMS]
-    verdicts = np.full((6, len(claims)), VERDICTS.index("contradicted"), dtype=np.int8)
+    verdicts = np.full((5, len(CLAIMS)), VERDICTS.index("not shown"), dtype=np.int8)
     verdicts[0], verdicts[1, ::2] = 0, 0
-    of_draw = np.array([0, 0, 0, 0, 1, 1], dtype=np.int8)
-    shares = [(verdicts[of_draw == row] == 0).mean(axis=0) for row in range(2)]
-    over = {"claim": claims}
-    null = xr.Dataset(
+    titles = [
+        "as the study assumes",
+        "off by 5 %",
+        "first the press, then",
+        "narrow",
+        "narrow, pressed",
+    ]
+    return xr.Dataset(
         {
-            "verdict": (("draw", "claim"), verdicts),
-            "share": (("kind", "claim"), np.array(shares)),
-            "title": ("kind", ["random devices", "random points"]),
+            "verdict": (("case", "entry"), verdicts),
+            "kind": ("case", np.array([0, 1, 2, 3, 3], np.int8)),
+            "random": ("device", np.array([2, 7, 9, 14], np.int8)),
         },
-        {"kind": ["devices", "points"], "kind_of_draw": ("draw", of_draw), **over},
-        {"figure": "null"},
+        {"case": titles, "entry": [claim.id for claim in CLAIMS]},
+        {"figure": "cases"},
     )
-    under = xr.Dataset(
-        {
-            "verdict": (("assumption", "claim"), verdicts[:2]),
-            "title": ("assumption", ["as here", "as there"]),
-        },
-        {"assumption": ["own", "other"], **over},
-        {"figure": "assumptions"},
-    )
-    return {"null": null, "assumptions": under}
 
 
 @pytest.fixture(scope="module")
-def lines(datasets):
-    return weighed(lines_of(judge(Tables.of(datasets))), weighed_data()["null"])
+def lines(study, datasets):
+    figures = {name: figure_of(dataset) for name, dataset in datasets.items()}
+    figures["locked"] = locked_of(figures, study.settings.settings)
+    return lines_of(judge(figures), {claim.id: 0.25 for claim in CLAIMS})
 
 
 @pytest.fixture(scope="module")
@@ -130,7 +126,7 @@ def root(study, datasets, lines, timed_settings, tmp_path_factory):
     root = tmp_path_factory.mktemp("results")
     for name, dataset in datasets.items():
         write_dataset(dataset, root / f"data/{name}.nc")
-    for name, dataset in {"jamming": jamming_data(), **weighed_data()}.items():
+    for name, dataset in {"jamming": jamming_data(), "cases": cases_data()}.items():
         write_dataset(dataset, root / f"data/{name}.nc")
     sweep = sweep_of(study, "fig13_round")
     if_round = merge(sweep, study.spec_of("fig13_round").title, [run(sweep)])
@@ -140,7 +136,7 @@ def root(study, datasets, lines, timed_settings, tmp_path_factory):
         (root / folder).mkdir()
     measured = settings_table(timed_settings, times=True)
     (root / "benchmarks/precision.csv").write_text(measured, encoding="utf-8")
-    drawn = "claims", "jamming", "fig13_vibration", "fig13_round"
+    drawn = "jamming", "fig13_vibration", "fig13_round"
     places = [f"figures/{name}" for name in (*study.figures, *drawn)]
     for place in (*places, *PICTURES.values()):
         (root / f"{place}.png").write_bytes(PIXEL)

@@ -1,144 +1,140 @@
-"""Worth of the verdicts: random draws, other assumptions, and evidence in bits."""
+"""Random devices, whose verdicts are stored, and cases: other assumptions and devices."""
+
+import shutil
 
 import numpy as np
 import pytest
 
-from study.claims import CLAIMS, VERDICTS
-from study.claims.ledger import Line
-from study.config import FIGURES, ConfigError, Study, check_study, read_study, study_path
-from study.evidence import worth
-from study.evidence.assumptions import OWN, assumptions_dataset, assumptions_plan
-from study.evidence.null import REPRODUCED, drawn, merged, null_plan, part_of
-from study.identification.space import own_values, space_of, structure_of
-
-TITLES = ["random", "points", "near", "farther"]
+from model.sweeps.axes import Axis
+from study.claims import CLAIMS, checks
+from study.config import Study, check_study, load_study, read_study, study_path
+from study.evidence.cases import KINDS, cases_dataset, cases_plan
+from study.evidence.null import (
+    NullError,
+    check_physics,
+    null_plan,
+    null_text,
+    stored_null,
+    verdicts_of,
+)
+from study.identification.space import own_values, space_of
 
 
 @pytest.fixture(scope="module")
 def study() -> Study:
-    """The study with few draws on a tiny grid."""
+    """The study with few devices on a tiny grid."""
     stated = read_study(study_path())
-    counts = {**dict.fromkeys(FIGURES[4:], 3), "fig05": 1, "rubbing": 2, "pressed": 2}
-    few = {"count": 3, "parts": 2}
+    counts = {f"fig{number:02}": 6 for number in range(6, 15)} | {"fig05": 1}
     stated["evidence"] |= {
-        "grid": {"counts": counts, "horizon": 5.0, "tolerance": 1e-5},
-        "draws": {name: each | few for name, each in stated["evidence"]["draws"].items()},
-        "assumptions": {
-            name: stated["evidence"]["assumptions"][name] for name in ("stiff", "inserted")
-        },
-    }
+        "grid": {"counts": counts, "horizon": 5.0, "tolerance": 1e-5}, "random": 3, "near": 2,
+        "assumptions": [
+            {"title": "pressed", "settings": {"start": "pressed"}},
+            {"title": "as here", "held": {"phase": 0.0}},
+        ],
+    }  # fmt: skip
     return check_study(stated)
 
 
 @pytest.fixture(scope="module")
-def plans(study):
-    return {kind: null_plan(study, kind) for kind in study.evidence.draws}
+def plan(study):
+    return null_plan(study)
 
 
 @pytest.fixture(scope="module")
-def parts(plans):
-    return [part_of(plan, part) for plan in plans.values() for part in range(2)]
+def stored(plan, tmp_path_factory):
+    path = tmp_path_factory.mktemp("null") / "null.csv"
+    path.write_text(null_text(plan), encoding="utf-8")
+    return path
 
 
-@pytest.fixture(scope="module")
-def null(plans, parts):
-    return merged(plans, TITLES, parts)
+def test_the_stored_verdicts_are_those_of_the_study() -> None:
+    plan = null_plan(load_study(study_path()))
+    found = stored_null(plan)
+    assert found.verdicts.shape == (plan.count, len(CLAIMS))
+    assert [*found.shares] == [claim.id for claim in CLAIMS]
+    check_physics(plan, found)
 
 
-def test_the_unknowns_of_the_study_make_its_own_device(study):
-    values = own_values(study, space_of(study))
-    for name, value in structure_of(values).items():
-        assert value == pytest.approx(study.structure[name], rel=1e-14), name
-    assert values["fig08.press_force"] == study.figures["fig08"].held["press_force"]
+def test_other_physics_are_seen(plan, stored) -> None:
+    found = stored_null(plan, stored)
+    check_physics(plan, found)
+    others = found._replace(verdicts=(found.verdicts + 1) % 3)
+    with pytest.raises(NullError, match=r"other physics; .* make null"):
+        check_physics(plan, others)
 
 
-def test_draws_are_the_same_whenever_and_in_however_many_parts_they_are_computed(plans, parts):
-    plan = plans["devices"]
-    assert part_of(plan, 1).identical(parts[1])
-    whole = part_of(
-        plan.model_copy(update={"draws": plan.draws.model_copy(update={"parts": 1})}), 0
+def test_what_was_stored_is_read_again(plan, stored) -> None:
+    found = stored_null(plan, stored)
+    assert (found.verdicts == verdicts_of(plan.space, plan.devices, plan.grid)).all()
+    assert found.counts.tolist() == (found.verdicts == 0).sum(axis=1).tolist()
+    assert found.shares["L01"] == (found.verdicts[:, 0] == 0).mean()
+
+
+@pytest.mark.parametrize("change", ["priors", "list", "grid", "count"])
+def test_a_key_that_no_longer_fits_is_refused_with_the_command(
+    plan, stored, change, monkeypatch, tmp_path
+) -> None:
+    if change == "list":
+        copy = tmp_path / "checks.py"
+        shutil.copy(checks.__file__, copy)
+        monkeypatch.setattr(checks, "__file__", str(copy))
+        assert stored_null(plan, stored)
+        with copy.open("a", encoding="utf-8") as file:
+            file.write("# a comment is no change\n")
+        assert stored_null(plan, stored)
+        with copy.open("a", encoding="utf-8") as file:
+            file.write("ANOTHER = 1\n")
+        other = plan
+    elif change == "priors":
+        prior = plan.space.problem.structure["half_width"].model_copy(update={"low": 0.16})
+        structure = {**plan.space.problem.structure, "half_width": prior}
+        problem = plan.space.problem.model_copy(update={"structure": structure})
+        other = plan.model_copy(
+            update={"space": plan.space.model_copy(update={"problem": problem})}
+        )
+    elif change == "grid":
+        grid = plan.grid.model_copy(update={"horizon": 6.0})
+        other = plan.model_copy(update={"grid": grid})
+    else:
+        other = plan.model_copy(update={"count": 4})
+    with pytest.raises(NullError, match=r"null\.csv: .* make null"):
+        stored_null(other, stored)
+
+
+def test_another_device_or_grid_of_the_study_needs_no_other_draw(study, plan) -> None:
+    fig06 = study.figures["fig06"]
+    axis = Axis(parameter="press_force", start=0.25, stop=20.0, count=25)
+    figures = {**study.figures, "fig06": fig06.model_copy(update={"swept": axis})}
+    structure = {**study.structure, "half_width": 0.9, "inertia": 5.0}
+    other = study.model_copy(update={"figures": figures, "structure": structure})
+    assert null_plan(other).key == plan.key
+
+
+def test_without_a_file_or_with_a_damaged_one_the_command_is_named(plan, stored, tmp_path) -> None:
+    with pytest.raises(NullError, match="make null"):
+        stored_null(plan, tmp_path / "none.csv")
+    damaged = tmp_path / "null.csv"
+    damaged.write_text(stored.read_text(encoding="utf-8").replace("+", "!"), encoding="utf-8")
+    with pytest.raises(NullError, match="make null"):
+        stored_null(plan, damaged)
+
+
+def test_cases_are_the_device_itself_near_ones_assumptions_and_others(study) -> None:
+    space = space_of(study)
+    own = own_values(study, space)
+    others = {"twin": own}
+    plan = cases_plan(
+        study.model_copy(update={"evidence": study.evidence.model_copy(update={"others": others})})
     )
-    assert np.array_equal(whole["verdict"], np.concatenate([each["verdict"] for each in parts[:2]]))
-    assert len(np.unique(drawn(plan)[:, 0])) == plan.draws.count
-
-
-def test_a_kind_of_draws_keeps_what_it_says(plans):
-    space, own = plans["points"].space, plans["points"].own
-    where = space.places["structure"]
-    points = drawn(plans["points"])
-    assert np.all(points[:, where] == space.point(own)[where])
-    assert np.all(np.ptp(points[:, where.stop :], axis=0) > 0.0)
-    for kind, step in (("off_2", 0.02), ("off_5", 0.05)):
-        ratios = [
-            value / own[name]
-            for point in drawn(plans[kind])
-            for name, value in space.values(point).items()
-            if name != "inertia_ratio"  # of the study's device it is at the end of its prior
-        ]
-        sides = np.abs(np.log(ratios))
-        assert sides.max() == pytest.approx(np.log1p(step), rel=1e-9)
-        assert np.mean(np.isclose(sides, np.log1p(step))) > 0.9  # the others are held in the priors
-        assert min(ratios) < 1.0 < max(ratios)
-
-
-def test_random_devices_stay_those_they_are_if_the_study_has_another(study, plans):
-    other = study.model_copy(update={"structure": {**study.structure, "half_width": 1.0}})
-    assert null_plan(other, "devices").identity == plans["devices"].identity
-    assert null_plan(other, "points").identity != plans["points"].identity
-
-
-def test_a_share_counts_the_draws_of_its_kind_that_reproduce_a_claim(plans, parts, null):
-    made = [each.copy(deep=True) for each in parts]
-    for part in made:
-        part["verdict"][:] = VERDICTS.index("mixed")
-    made[0]["verdict"][0, 4] = REPRODUCED
-    found = merged(plans, TITLES, made)["share"]
-    assert found[0, 4] == pytest.approx(1 / 3)
-    assert found.sum() == pytest.approx(1 / 3)
-    assert [each.numbers.tolist() for each in worth.shown_by(merged(plans, TITLES, made))] == [
-        [1, 0, 0], [0, 0, 0], [0, 0, 0], [0, 0, 0],
-    ]  # fmt: skip
-    assert null["claim"].values.tolist() == [claim.id for claim in CLAIMS]
-    with pytest.raises(ValueError, match="build them again"):
-        merged(plans, TITLES, parts[1:])
-
-
-def line(claim: str, verdict: str = "reproduced", demand: str = "at least 1") -> Line:
-    return Line(claim, verdict, *[""] * 5, demand, *[""] * 5)
-
-
-def test_evidence_is_added_up_in_bits_and_no_share_is_below_one_draw(null):
-    shares = null.copy(deep=True)
-    shares["share"][0] = 0.5
-    first, second, third, fourth, *_ = shares["claim"].values.tolist()
-    shares["share"][0, :4] = [1.0, 0.5, 0.0, 0.0]
-    lines = [line(first), line(second), line(third), line(fourth, "mixed"), line("M8", "", "")]
-    weighed = worth.weighed(lines, shares)
-    floor = np.log2(3.0)  # of three draws
-    bits = [each.bits for each in weighed]
-    assert bits == ["0.00", "1.00", f"{floor:.2f}", "", ""]
-    assert [each.random_devices for each in weighed] == ["1.000", "0.500", "0.000", "0.000", ""]
-    assert worth.evidence(weighed) == pytest.approx(1.0 + floor, abs=0.01)
-    assert [worth.is_shown_by_nearly_any(each) for each in weighed] == [True, *[False] * 4]
-    assert worth.summary(weighed, shares).startswith("3 of 4 reproduced, where 3 random devices")
-
-
-def test_an_assumption_changes_the_runs_and_not_the_study(study):
-    plan = assumptions_plan(study)
-    dataset = assumptions_dataset(plan, {"stiff": "a stiff base", "inserted": "it goes in"})
-    assert dataset["assumption"].values.tolist() == [OWN, "stiff", "inserted"]
-    assert dataset["title"].values.tolist()[1:] == ["a stiff base", "it goes in"]
-    own, stiff, inserted = dataset["verdict"].values
-    assert not np.array_equal(own, stiff)
-    # Claims on the share that stays can only lose if what does not go in does not count.
-    least = [n for n, each in enumerate(CLAIMS) if each.id in ("F8a", "C1a")]
-    assert np.all((own[least] == REPRODUCED) | (inserted[least] != REPRODUCED))
-    again = assumptions_dataset(plan, {})
-    assert np.array_equal(again["verdict"], dataset["verdict"])
-
-
-def test_an_assumption_with_an_unknown_setting_is_refused_before_anything_runs():
-    stated = read_study(study_path())
-    stated["evidence"]["assumptions"]["pressed"]["settings"] = {"begin": "pressed"}
-    with pytest.raises(ConfigError, match="begin"):
-        check_study(stated)
+    dataset = cases_dataset(plan, np.array([3, 5]))
+    kinds = [KINDS[kind] for kind in dataset["kind"].values]
+    assert kinds == ["device", "near", "near", "assumption", "assumption", "other", "other"]
+    verdicts = dataset["verdict"].values
+    np.testing.assert_array_equal(verdicts[4], verdicts[0])  # the phase is 0 anyway
+    np.testing.assert_array_equal(verdicts[5], verdicts[0])
+    np.testing.assert_array_equal(verdicts[6], verdicts[3])  # pressed first
+    for case in list(plan.cases)[1:3]:
+        ratios = np.array([case.device[name] / own[name] for name in own])
+        off = np.abs(ratios - 1.0)
+        assert (off < 0.05 + 1e-9).all()  # less where a prior ends
+        assert (off > 0.05 - 1e-9).mean() > 0.8

@@ -97,7 +97,7 @@ def test_fuzz_with_more_sets_tries_only_the_further_ones(copy_of_built: Any) -> 
     assert "fuzz_part 2" in " ".join(dry.stdout.split()), dry.stdout + dry.stderr
 
 
-THREADED = ("sweep", "merge", "claims_runs", "claims", "plot")
+THREADED = ("sweep", "merge", "cases", "claims", "plot")
 
 
 def build_whole(made: Any, cores: int, first: str | None) -> list[str]:

@@ -92,8 +92,6 @@ rule fuzz_summary:
 for name, text, must_end in (
     ("accuracy", "accuracy/summary.txt", ""),
     ("fuzz", f"accuracy/fuzz_{campaign.scene}.txt", HOLDS),
-    ("identification", "identification/device.yaml", ""),
-    ("hold_out", "identification/hold_out.csv", ""),
 ):
 
     rule:

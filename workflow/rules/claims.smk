@@ -1,32 +1,10 @@
-"""The claims ledger: the paper's claims, judged by figures and by runs of their own."""
-
-claims_data = expand("<results>/data/claims/{run}.nc", run=study.claims_runs)
-
-
-# One job for all runs, because a start of Python costs as much as most of them.
-rule claims_runs:
-    input:
-        "<results>/data/kernels.json",
-    output:
-        data=claims_data,
-        record="<results>/data/claims/runs.run.json",
-    log:
-        "<results>/logs/claims_runs.log",
-    params:
-        *code("claims_runs"),
-        sweeps={name: stated(sweep_of(study, name)) for name in study.claims_runs},
-        titles={name: run.title for name, run in study.claims_runs.items()},
-    message:
-        "computing the runs that only the claims ledger needs"
-    script:
-        "../scripts/claims_runs.py"
+"""The ledger: statements of the paper, judged by the figures."""
 
 
 rule claims:
     input:
-        expand("<results>/data/{figure}.nc", figure=COMPUTED),
-        claims_data,
-        "<results>/data/null.nc",
+        "<results>/data/kernels.json",
+        figures=expand("<results>/data/{figure}.nc", figure=COMPUTED),
     output:
         table=report("<results>/claims.csv", caption="../report/claims.rst", category="Claims"),
         record="<results>/claims.run.json",
@@ -35,7 +13,10 @@ rule claims:
     localrule: True
     params:
         *code("claims"),
+        settings=stated(study.settings),
+        # When the jobs are planned: verdicts of random devices by another list stop the build.
+        shares=lambda wildcards: stored_null(null_plan(study)).shares,
     message:
-        "judging the claims of the paper"
+        "judging the statements of the paper"
     script:
         "../scripts/claims.py"

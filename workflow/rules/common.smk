@@ -41,19 +41,3 @@ def numbers_of_part(wildcards):
     first = int(wildcards.chunk) * campaign.sets_a_job
     count = min(campaign.sets_a_job, campaign.sets - first)
     return {"seed": campaign.seed, "first": first, "count": count}
-
-
-def sets_before(wildcards):
-    """Return the sets from which a round begins: those of the pool, or of the round before."""
-    last = int(wildcards.round) - 1
-    if last < 0:
-        return expand(
-            "<results>/identification/pool/{part}.csv", part=range(study.identification.pool.parts)
-        )
-    return f"<results>/identification/{wildcards.start}/{last}.csv"
-
-
-def figures_without(half):
-    """Return the figures of the halves but one, which a hold-out searches."""
-    halves = study.identification.hold_out.halves
-    return [figure for name, figures in halves.items() if name != half for figure in figures]

@@ -1,64 +1,40 @@
-"""Worth of the verdicts: devices drawn at random, and the study's under other assumptions."""
+"""What the verdicts are worth: other assumptions and devices; `make null` draws the random ones."""
 
-from study.evidence.assumptions import assumptions_plan
-from study.evidence.null import null_plan
-
-null_plans = {kind: stated(null_plan(study, kind)) for kind in study.evidence.draws}
+from study.evidence.cases import cases_plan
+from study.evidence.null import null_plan, stored_null
 
 
-rule null_part:
+rule cases:
     input:
         "<results>/data/kernels.json",
     output:
-        data="<results>/data/null/{kind}/{part}.nc",
-        record="<results>/data/null/{kind}/{part}.run.json",
+        data="<results>/data/cases.nc",
+        record="<results>/data/cases.run.json",
     log:
-        "<results>/logs/null_part/{kind}/{part}.log",
+        "<results>/logs/cases.log",
     params:
-        *code("null_part"),
-        plan=lambda wildcards: null_plans[wildcards.kind],
-    message:
-        "null: drawing part {wildcards.part} of the {wildcards.kind}"
-    script:
-        "../scripts/null_part.py"
-
-
-rule null:
-    input:
-        [
-            f"<results>/data/null/{kind}/{part}.nc"
-            for kind, draws in study.evidence.draws.items()
-            for part in range(draws.parts)
-        ],
-    output:
-        data="<results>/data/null.nc",
-        record="<results>/data/null.run.json",
-    log:
-        "<results>/logs/null.log",
-    localrule: True
-    params:
-        *code("null"),
-        plans=null_plans,
-        titles=[draws.title for draws in study.evidence.draws.values()],
-    message:
-        "null: shares of random devices that show a claim"
-    script:
-        "../scripts/null.py"
-
-
-rule assumptions:
-    input:
-        "<results>/data/kernels.json",
-    output:
-        data="<results>/data/assumptions.nc",
-        record="<results>/data/assumptions.run.json",
-    log:
-        "<results>/logs/assumptions.log",
-    params:
-        *code("assumptions"),
-        plan=stated(assumptions_plan(study)),
-        titles={name: each.title for name, each in study.evidence.assumptions.items()},
+        *code("cases"),
+        plan=stated(cases_plan(study)),
+        null=stated(null_plan(study)),
     message:
         "judging the device under other assumptions"
     script:
-        "../scripts/assumptions.py"
+        "../scripts/cases.py"
+
+
+# The verdicts are stored beside the code, so that a build does not draw the devices.
+rule null:
+    input:
+        "<results>/data/kernels.json",
+    output:
+        stored=update("src/study/evidence/null.csv"),
+        record="<results>/null.run.json",
+    log:
+        "<results>/logs/null.log",
+    params:
+        *code("null"),
+        plan=stated(null_plan(study)),
+    message:
+        "drawing random devices, and judging them"
+    script:
+        "../scripts/null.py"

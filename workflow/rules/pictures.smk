@@ -10,7 +10,6 @@ PLOTTED = {
         f"{name}_vibration": ([f"data/{name}.nc"], "vibration", "Stability maps")
         for name in WITH_VIBRATION
     },
-    "claims": ([f"data/claims/{run}.nc" for run in study.claims_runs], "claims", "Claims"),
     "jamming": (["data/jamming.nc"], "jamming", "Claims"),
 }
 

@@ -4,7 +4,6 @@ IF_ROUND = [name for name in PLANES if study.spec_of(name).shape == "round"]  # 
 shown = [
     *(f"figures/{figure}" for figure in FIGURES),
     *PICTURES.values(),
-    "figures/claims",
     "figures/jamming",
     *(f"figures/{map}_vibration" for map in WITH_VIBRATION if map in MAPS),
     *(f"figures/{name}" for name in IF_ROUND),
@@ -59,8 +58,7 @@ rule report:
         "<results>/benchmarks/precision.csv",
         expand("<results>/data/{map}.nc", map=IF_ROUND),
         "<results>/data/jamming.nc",
-        "<results>/data/null.nc",
-        "<results>/data/assumptions.nc",
+        "<results>/data/cases.nc",
         "<results>/claims.csv",
     output:
         page=report(

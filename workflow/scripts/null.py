@@ -1,12 +1,11 @@
-"""Merge the verdicts on random devices into one dataset."""
+"""Draw random devices, judge them by the ledger, and store the verdicts beside the code."""
 
 from pathlib import Path
 
-from model.sweeps.io import read_dataset, write_dataset
-from study.evidence.null import NullPlan, merged
+from model.sweeps.files import write_text
+from study.evidence.null import NullPlan, null_text
 from study.tracking.records import recorded, snakemake
 
 with recorded(snakemake):
-    plans = {kind: NullPlan.model_validate(each) for kind, each in snakemake.params.plans.items()}
-    parts = [read_dataset(Path(file)) for file in snakemake.input]
-    write_dataset(merged(plans, snakemake.params.titles, parts), Path(snakemake.output.data))
+    plan = NullPlan.model_validate(snakemake.params.plan)
+    write_text(null_text(plan), Path(snakemake.output.stored))

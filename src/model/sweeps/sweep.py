@@ -36,7 +36,6 @@ from model.sweeps.io import (
 )
 from model.sweeps.settings import Ensemble, RunSettings
 from model.sweeps.starts import tilts_and_phases
-from model.sweeps.tracks import TRACK_QUANTITIES, quantities_of
 
 Columns = Mapping[str, NDArray[Any]]
 """Variables by name: of runs, each of shape (n,), or of one trajectory over time."""
@@ -46,7 +45,7 @@ SAMPLE = "sample"  # of a trajectory: its time is no dimension, since it stands 
 
 _TIME = {"units": "1", "long_name": "time", "symbol": "τ"}
 _DEPTH = {"units": "1", "long_name": "depth at which the part counts as inserted"}
-_ATTRIBUTES = {**VARIABLES, **TRACK_QUANTITIES, "insertion_depth": _DEPTH}
+_ATTRIBUTES = {**VARIABLES, "insertion_depth": _DEPTH}
 
 
 # Results of ``align`` that ``run_once`` lacks.
@@ -231,7 +230,7 @@ def _computed(
     wanted, tracks = {*sweep.variables}, []
     found: dict[str, NDArray[Any]] = {"insertion_depth": batch.insertion_depths()}
     courses: dict[str, NDArray[Any]] = {}
-    if sweep.kind == "history" or wanted & {*TRACK_QUANTITIES}:
+    if sweep.kind == "history":
         simulated = simulate if wanted & _ESTIMATED else simulate_once
         tracks = [simulated(batch[row], settings) for row in range(len(batch))]
     if wanted & _ESTIMATED and sweep.kind != "history":
@@ -246,8 +245,6 @@ def _computed(
         found |= unvibrated_results(batch, settings, cores)
     if wanted & {*IN_SLOT}:
         found["insertion"] = insertion_outcomes(batch, found["outcome"], settings, cores)
-    if wanted & {*TRACK_QUANTITIES}:
-        found |= quantities_of(tracks, batch, found["unvibrated_tilt"], settings)
     return found, courses
 
 

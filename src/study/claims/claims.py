@@ -1,155 +1,128 @@
-"""The claims of the paper, as ``claims.yaml`` states them; its form is checked here.
+"""The entries of the ledger, as ``claims.yaml`` states them, each with its check.
 
-A claim's check computes numbers, and ``ledger`` compares them with its limit. Thresholds follow
-from the paper's wording and from the resolution of a printed figure, never from the outcome.
+An entry is a statement of the paper with all its parts. Its check, a function of ``checks`` with
+the name of the entry, yields a number for each part and curve; every number must keep its limit.
 """
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from fractions import Fraction
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from importlib import resources
 from typing import Any
 
 from model.sweeps.files import parse_yaml
-from study.claims.check import Check, check_of
+from study.claims import checks
+from study.claims.data import Figures
 
-EVERY_FIGURE = tuple(f"fig{number:02}" for number in range(5, 15))
-_KINDS = {
-    "stated": "stated in figure text",
-    "concluded": "conclusion",
-    "interpreted": "interpretation",
-}
+Numbers = Iterator[tuple[str, str, float]]
+_LEAST_SCALE = 0.05
 
 
 class ClaimsError(ValueError):
-    """A table of claims that breaks a rule; the message names the claim."""
+    """A list of entries that breaks a rule; the message names the entry."""
 
 
 @dataclass(frozen=True)
 class Limit:
-    """The demand on a number.
+    """The demand on the numbers of one part of an entry.
 
     Attributes:
-        threshold: NaN where there is nothing to measure.
-        is_least: True if the number must be above the threshold, else below.
-        scale: one unit of margin.
-        reason: reason for the threshold, or for having nothing to measure.
+        measure: the number in words.
+        threshold: what it is compared with.
+        is_least: True if a number must be at least the threshold, else at most.
+        reason: reason for the threshold.
+        shared: name of the limit that several parts share, "" for one of its own.
     """
 
+    measure: str
     threshold: float
     is_least: bool
-    scale: float
     reason: str
+    shared: str = ""
 
     def margin(self, value: float) -> float:
-        """Return the signed distance from the threshold, in [-1, 1], > 0 where met; -1 for NaN."""
+        """Return the distance from the threshold over its size, >= 0 where met; -1 for NaN.
+
+        It is held in [-1, 1].
+        """
         if math.isnan(value):
             return -1.0
-        distance = (value - self.threshold) / self.scale * (1.0 if self.is_least else -1.0)
-        if math.isinf(distance):
-            return math.copysign(1.0, distance)
-        return distance / (1.0 + abs(distance))
+        distance = (value - self.threshold) * (1.0 if self.is_least else -1.0)
+        return max(-1.0, min(1.0, distance / max(abs(self.threshold), _LEAST_SCALE)))
 
     @property
     def demand(self) -> str:
         """The threshold in words."""
+        if 0.0 < self.threshold < _LEAST_SCALE**3:
+            return "more than 0"
         return f"at {'least' if self.is_least else 'most'} {self.threshold:.3g}"
 
 
 @dataclass(frozen=True)
 class Claim:
-    """One statement of the paper.
+    """One entry of the ledger.
 
     Attributes:
-        id: identifier, such as "F6a".
+        id: identifier, such as "L4".
         place: place in the paper.
-        kind: statement on a figure, conclusion, or one interpretation of an unclear sentence.
-        statement: the paper's words, shortened.
-        figures: figures, and runs made for the claims, by which it is judged; the first shows it.
-        measure: the number in words.
-        limit: the demand on the number.
-        check: the number; None if nothing can be measured.
+        says: the paper's words, shortened.
+        figures: figures by which it is judged; the first shows it.
+        limits: the demand on each part, by the part's name.
+        check: yields part, curve ("" for the whole) and number; it reads only ``figures``.
         reading: how the words are read, and why so; "" where they leave no choice.
     """
 
     id: str
     place: str
-    kind: str
-    statement: str
+    says: str
     figures: tuple[str, ...]
-    measure: str
-    limit: Limit
-    check: Check | None
-    reading: str = ""
+    limits: Mapping[str, Limit]
+    check: Callable[[Figures], Numbers]
+    reading: str
 
     @property
-    def compares(self) -> bool:
-        """True if it says nothing of one of its figures alone: they are compared, or combined."""
-        if self.check is None:
-            return False
-        return self.check.together or (self.check.combine != "" and len(self.figures) > 1)
+    def is_conclusion(self) -> bool:
+        """True for a numbered conclusion."""
+        return "concl." in self.place
 
 
-# --- The table ----------------------------------------------------------------------------------
+def _limit(stated: Mapping[str, Any], named: Mapping[str, Mapping[str, Any]]) -> Limit:
+    given = {**stated, **named[stated["must"]]} if "must" in stated else stated
+    least = "least" in given
+    extra = set(given) - {"is", "must", "least", "most", "reason"}
+    if extra or least == ("most" in given):
+        raise ValueError(f"{dict(stated)}: must be {{is, must}} or {{is, least or most, reason}}")
+    threshold = float(given["least" if least else "most"])
+    shared = stated.get("must", "")
+    return Limit(str(given.get("is", "")), threshold, least, str(given["reason"]), shared)
 
 
-def limit_of(stated: Mapping[str, Any]) -> Limit:
-    """Return the limit that is stated as {least or most, scale, reason}; 1/3 is a threshold, too.
-
-    Raises:
-        KeyError: the scale or the reason is missing.
-        ValueError: not one threshold, another key, or a scale that is not > 0.
-    """
-    least = "least" in stated
-    (threshold,) = (stated[name] for name in ("least", "most") if name in stated)
-    extra = set(stated) - {"least", "most", "scale", "reason"}
-    if extra or not stated["scale"] > 0.0:
-        raise ValueError(f"limit {dict(stated)}: must be {{least or most, scale > 0, reason}}")
-    exact = float(Fraction(str(threshold)))
-    return Limit(exact, least, float(stated["scale"]), str(stated["reason"]))
-
-
-def _demanded(must: str | Mapping[str, Any], named: Mapping[str, Limit]) -> Limit:
-    if isinstance(must, str):
-        return named[must]
-    if "be" not in must:
-        return limit_of(must)
-    limit = named[must["be"]]
-    return replace(limit, reason=f"{limit.reason}; {must['also']}")
-
-
-def _claim(name: str, stated: dict[str, Any], named: Mapping[str, Limit]) -> Claim:
-    (kind,) = set(_KINDS) & set(stated)
-    said = (name, stated.pop(kind), _KINDS[kind], stated.pop("statement"))
-    reading = stated.pop("read", "")
-    if "unmeasured" in stated:
-        limit = Limit(math.nan, True, 1.0, stated.pop("unmeasured"))
-        claim = Claim(*said, (), "", limit, None, reading)
-    else:
-        check = dict(stated.pop("check"))
-        figures, limit = check.pop("figures"), _demanded(check.pop("must"), named)
-        figures = EVERY_FIGURE if figures == "every figure" else tuple(figures)
-        measure = stated.pop("measure")
-        claim = Claim(*said, figures, measure, limit, check_of(check), reading)
-    if stated:
-        raise ValueError(f"unknown {', '.join(stated)}")
-    return claim
+def _claim(name: str, stated: Mapping[str, Any], shared: Mapping[str, Any]) -> Claim:
+    if extra := set(stated) - {"place", "says", "figures", "read", "parts"}:
+        raise ValueError(f"unknown {', '.join(sorted(extra))}")
+    return Claim(
+        id=name,
+        place=stated["place"],
+        says=stated["says"],
+        figures=tuple(stated["figures"]),
+        limits={part: _limit(limit, shared) for part, limit in stated["parts"].items()},
+        check=getattr(checks, name.lower()),
+        reading=stated.get("read", ""),
+    )
 
 
 def claims_of(text: str) -> tuple[Claim, ...]:
-    """Return the claims of a table in the form of ``claims.yaml``, in its order.
+    """Return the entries of a list in the form of ``claims.yaml``, in its order.
 
     Raises:
-        ClaimsError: a claim that breaks a rule; the message names both.
+        ClaimsError: an entry that breaks a rule; the message names both.
     """
     table = parse_yaml(text)
-    limits = {name: limit_of(stated) for name, stated in table["limits"].items()}
     claims = []
-    for name, stated in table["claims"].items():
+    for name, stated in table["entries"].items():
         try:
-            claims.append(_claim(str(name), dict(stated), limits))
-        except (KeyError, TypeError, ValueError) as error:
+            claims.append(_claim(name, stated, table["limits"]))
+        except (AttributeError, KeyError, TypeError, ValueError) as error:
             raise ClaimsError(f"claims.yaml: {name}: {error}") from error
     return tuple(claims)
 

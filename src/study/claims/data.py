@@ -1,183 +1,177 @@
-"""Tables that claims are judged by: runs are rows, their parameters and results columns.
+"""Figures as arrays, which the checks of the ledger read.
 
-``Dataset.to_dataframe()`` makes a table. A history has a row for each moment until the part aligns,
-with the results of the run in each. Columns that a dataset does not have:
-
-device: number of the device, from 0: a table may hold the runs of several.
-row: value of the first dimension, by which rows of a map and curves differ; 0 in a history.
-curve: the same in a dataset of curves; 0 in others.
-aligned, settled: flags, from the outcome.
-stays, goes_in: flags of parts that align, and do not climb out of the slot again, or go in to the
-    depth of insertion: from the outcome in the insertion scene, where a dataset has it.
-tau: alignment time, NaN for a part that does not align.
-
-A sensitive run ends differently at another tolerance. Its row is there, but no claim depends on it.
+A sensitive run ends differently at another tolerance: it belongs to no curve, and decides nothing.
 """
 
 from collections.abc import Mapping
-from copy import copy
+from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 
-from model.events.outcomes import InsertionOutcome, Outcome
+from model.events.outcomes import Outcome
 
 if TYPE_CHECKING:
     import xarray as xr
 
-Column = NDArray[Any]
-Rows = NDArray[np.intp]
-_NOT_STAYING = (InsertionOutcome.CLIMBED_OUT, InsertionOutcome.FAILED)
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
 
 
 class MissingDataError(LookupError):
-    """A dataset that a claim needs, or a value in it, is missing."""
+    """A dataset that an entry needs, or a value in it, is missing."""
 
 
-def table_of(dataset: "xr.Dataset") -> pd.DataFrame:
-    """Return the table of a dataset of the study.
-
-    Variables over other dimensions than those of the outcome, or of a history's time, are left out.
-    """
-    runs = dataset["outcome"].dims
-    dimensions = {*(runs or dataset["time"].dims)}
-    names = [name for name, values in dataset.data_vars.items() if {*values.dims} <= dimensions]
-    frame = dataset[names].to_dataframe().reset_index()
-    table = with_columns(frame, dataset.attrs["kind"], str(runs[0]) if runs else None)
-    return table if runs else table[~(table["time"] > table["tau"])]
-
-
-def with_columns(frame: pd.DataFrame, kind: str, first: str | None) -> pd.DataFrame:
-    """Return the table of runs, with the columns that are derived.
-
-    Args:
-        frame: parameters and results of the runs.
-        kind: of the sweep; see ``Sweep``.
-        first: name of its first dimension.
-    """
-    aligned = frame["outcome"] == Outcome.ALIGNED
-    row = frame[first] if first else 0.0
-    derived = {
-        "device": frame.get("device", 0),
-        "row": row,
-        "curve": row if kind == "curves" else 0.0,
-        "aligned": aligned,
-        "settled": frame["outcome"] == Outcome.SETTLED,
-        "tau": frame["tau_align"].where(aligned),
-    }
-    if "insertion" in frame:
-        derived["goes_in"] = aligned & (frame["insertion"] == InsertionOutcome.INSERTED)
-        derived["stays"] = aligned & ~frame["insertion"].isin(_NOT_STAYING)
-    return frame.assign(**derived)
-
-
-class _Columns(dict[str, Column]):
-    """Columns of a table and expressions of them, shape (rows,), found when first asked for.
-
-    Pandas takes a fifth of a millisecond to read an expression, of few rows or of thousands.
-    """
-
-    def __init__(self, table: pd.DataFrame) -> None:
-        super().__init__()
-        self.table = table
-
-    def __missing__(self, text: str) -> Column:
-        if text in self.table:
-            self[text] = self.table[text].to_numpy()
-        elif text.isidentifier():
-            raise KeyError(text)
-        else:
-            # "python": numexpr, where it is installed, rounds otherwise.
-            with np.errstate(divide="ignore", invalid="ignore"):
-                self[text] = pd.eval(text, "pandas", "python", resolvers=[self])
-        return self[text]
-
-
-class Tables:
-    """Tables by the names of their datasets, and one of the devices whose runs they hold.
+@dataclass(frozen=True)
+class Curve:
+    """Runs along one curve of a figure, or one row of a map.
 
     Attributes:
-        frames: the tables by name, such as "fig06", or "pressed" for a run made for the claims.
+        at: value of the parameter by which curves differ.
+        x: swept parameter, shape (n,), rising.
+        results: results of the runs by name, each of shape (n,).
     """
 
-    def __init__(self, frames: Mapping[str, pd.DataFrame]) -> None:
-        self.frames = frames
-        self._columns: dict[tuple[str, ...], _Columns] = {}
-        self._devices: dict[tuple[str, ...], dict[int, Rows]] = {}
-        self._rows: dict[tuple[object, ...], dict[float, Rows]] = {}
-        self._device = 0
+    at: float
+    x: Array
+    results: Mapping[str, NDArray[Any]]
 
-    @classmethod
-    def of(cls, datasets: "Mapping[str, xr.Dataset]") -> "Tables":
-        """Return the tables of datasets by name."""
-        return cls({name: table_of(dataset) for name, dataset in datasets.items()})
+    @cached_property
+    def aligned(self) -> Flags:
+        """Flags of the runs that align, shape (n,)."""
+        return np.asarray(self.result("outcome") == Outcome.ALIGNED)
 
-    def at(self, device: int) -> "Tables":
-        """Return the tables with another device; a column is found once for all devices."""
-        other = copy(self)
-        other._device = device
-        return other
+    @cached_property
+    def tau(self) -> Array:
+        """Alignment times, NaN where a part does not align, shape (n,)."""
+        return np.where(self.aligned, self.result("tau_align"), np.nan)
 
-    def alone(self) -> dict[str, pd.DataFrame]:
-        """Return the tables of this device by name, as those of the only one."""
-        return {
-            name: table[table["device"] == self._device].assign(device=0)
-            for name, table in self.frames.items()
+    def result(self, name: str) -> NDArray[Any]:
+        """Return a result of the runs, shape (n,).
+
+        Raises:
+            MissingDataError: the figure's dataset lacks it.
+        """
+        if name not in self.results:
+            raise MissingDataError(f"the figure has no {name!r}")
+        return self.results[name]
+
+    def where(self, kept: Flags) -> "Curve":
+        """Return the runs with a flag of shape (n,)."""
+        return Curve(self.at, self.x[kept], {n: each[kept] for n, each in self.results.items()})
+
+
+@dataclass(frozen=True)
+class Figure:
+    """Runs of one device over the grid of a figure, or the one run of a history.
+
+    Attributes:
+        name: name of the figure, such as "fig06".
+        kind: "history", "curves" or "map".
+        axes: swept parameters by name, slowest first: that by which curves or the rows of a map
+            differ, shape (m,), and that along them, shape (n,); empty for a history.
+        results: results of the runs by name, each of shape (m, n), or (1, 1) of a history;
+            "sensitive" among them.
+        held: parameters that the figure holds.
+        course: time, coordinates and contact force of a history, each of shape (t,), until the
+            corners of a part that aligns are inside; empty for others.
+    """
+
+    name: str
+    kind: str
+    axes: Mapping[str, Array]
+    results: Mapping[str, NDArray[Any]]
+    held: Mapping[str, float]
+    course: Mapping[str, Array]
+
+    @property
+    def is_map(self) -> bool:
+        """True for a plane of two swept parameters."""
+        return self.kind == "map"
+
+    @cached_property
+    def _ends(self) -> tuple[Array, Array]:
+        by, x = self.axes.values() or (np.zeros(1), np.zeros(1))
+        return by, x
+
+    @property
+    def by(self) -> Array:
+        """Values by which curves or rows differ, shape (m,)."""
+        return self._ends[0]
+
+    @property
+    def x(self) -> Array:
+        """Values along curves or rows, shape (n,)."""
+        return self._ends[1]
+
+    @cached_property
+    def curves(self) -> list[Curve]:
+        """Curves, or rows, by rising value."""
+        kept = self.results["sensitive"] == 0
+        return [
+            Curve(
+                float(self.by[row]),
+                self.x[kept[row]],
+                {name: each[row][kept[row]] for name, each in self.results.items()},
+            )
+            for row in np.argsort(self.by)
+        ]
+
+    @cached_property
+    def whole(self) -> Curve:
+        """All runs as one, with the parameters of each among its results."""
+        kept = self.results["sensitive"] == 0
+        shape = kept.shape
+        grid = dict(zip(self.axes, np.meshgrid(*self._ends, indexing="ij"), strict=False))
+        every = {**{n: np.full(shape, v) for n, v in self.held.items()}, **grid, **self.results}
+        return Curve(np.nan, np.arange(float(kept.sum())), {n: v[kept] for n, v in every.items()})
+
+    @cached_property
+    def columns(self) -> list[Curve]:
+        """Columns of a map, by rising value along its x axis."""
+        turned = {name: each.T for name, each in self.results.items()}
+        axes = dict(reversed([*self.axes.items()]))
+        return Figure(self.name, self.kind, axes, turned, self.held, {}).curves
+
+    @cached_property
+    def cells(self) -> NDArray[np.int8]:
+        """Cells of a map, shape (m, n): 1 if the part aligns, 0 if not, -1 if it is sensitive."""
+        aligned = (self.results["outcome"] == Outcome.ALIGNED).astype(np.int8)
+        return np.where(self.results["sensitive"] == 0, aligned, np.int8(-1))
+
+    def between(self, low: float, high: float) -> list[Curve]:
+        """Return the curves with values from ``low`` to ``high``, both included.
+
+        Raises:
+            MissingDataError: there is none.
+        """
+        found = [curve for curve in self.curves if low <= curve.at <= high]
+        if not found:
+            raise MissingDataError(f"{self.name} has no curve from {low:g} to {high:g}")
+        return found
+
+
+Figures = Mapping[str, Figure]
+
+
+def figure_of(dataset: "xr.Dataset") -> Figure:
+    """Return the figure of a dataset of the study."""
+    dims = dataset["outcome"].dims
+    names = [str(name) for name, values in dataset.data_vars.items() if values.dims == dims]
+    course: dict[str, Array] = {}
+    if not dims:
+        course = {
+            str(name): values.values
+            for name, values in dataset.variables.items()
+            if values.dims == dataset["time"].dims
         }
-
-    def column(self, names: tuple[str, ...], text: str) -> Column:
-        """Return an expression of columns as pandas reads it, shape (rows of all devices,).
-
-        Of several names it is that of their tables in one; ``figure`` is then the place of the name
-        among them, from 0.
-
-        Raises:
-            MissingDataError: there is no dataset of a name, or no column that the text names.
-        """
-        if names not in self._columns:
-            if missing := [name for name in names if name not in self.frames]:
-                raise MissingDataError(f"there is no dataset {missing[0]}")
-            tables = [self.frames[name] for name in names]
-            if len(tables) > 1:
-                tables = [pd.concat([t.assign(figure=row) for row, t in enumerate(tables)])]
-            self._columns[names] = _Columns(tables[0])
-        try:
-            return self._columns[names][text]
-        except (KeyError, NameError) as error:
-            raise MissingDataError(f"{', '.join(names)} has no column for {text!r}") from error
-
-    def rows(self, names: tuple[str, ...], where: str = "", each: str = "") -> dict[float, Rows]:
-        """Return the numbers of the device's rows that meet ``where``, a query of pandas.
-
-        They are grouped by the values of the column ``each``, in rising order; without it all are
-        in one group. Sensitive runs are left out, so that a group may be empty.
-
-        Raises:
-            MissingDataError: there is no dataset of a name, or no row meets ``where``.
-        """
-        key = self._device, names, where, each
-        if key not in self._rows:
-            rows = self._of_device(names)
-            rows = rows[self.column(names, where)[rows]] if where else rows
-            if not rows.size:
-                raise MissingDataError(f"{', '.join(names)} has no run with {where}")
-            by = self.column(names, each)[rows] if each else np.zeros(rows.size)
-            known = self.column(names, "sensitive")[rows] == 0
-            self._rows[key] = {value: rows[known & (by == value)] for value in np.unique(by)}
-        return self._rows[key]
-
-    def _of_device(self, names: tuple[str, ...]) -> Rows:
-        device = self.column(names, "device")
-        if names not in self._devices:
-            order = np.argsort(device, kind="stable")
-            devices, starts = np.unique(device[order], return_index=True)
-            split = np.split(order, starts[1:])
-            self._devices[names] = dict(zip(devices.tolist(), split, strict=True))
-        return self._devices[names].get(self._device, np.empty(0, dtype=np.intp))
-
-    def values(self, name: str, text: str) -> Column:
-        """Return an expression of columns on the device's rows of a dataset, shape (rows,)."""
-        (rows,) = self.rows((name,)).values()
-        return self.column((name,), text)[rows]
+    return Figure(
+        name=str(dataset.attrs["figure"]),
+        kind=str(dataset.attrs["kind"]),
+        axes={str(name): dataset[name].values for name in dims},
+        results={name: np.atleast_2d(dataset[name].values) for name in names},
+        held={str(n): float(v) for n, v in dataset.coords.items() if v.ndim == 0},
+        course=course,
+    )

@@ -1,133 +1,131 @@
-"""Verdicts of the datasets on the claims, and their table ``claims.csv``."""
+"""Verdicts of the figures on the entries, and their table ``claims.csv``."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, get_args
 
 from study.claims.claims import CLAIMS, Claim
-from study.claims.data import MissingDataError, Tables
+from study.claims.data import Figures, MissingDataError
 from study.csv_tables import read_records, records_text
 
-Verdict = Literal["reproduced", "mixed", "contradicted", "not checkable"]
+Verdict = Literal["shown", "not shown", "not checkable"]
 VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
+_LEAST = 0.0005  # from which a number is not printed as 0
+
+
+@dataclass(frozen=True)
+class Number:
+    """A number of an entry: of one part, and of one curve or figure; ``margin`` as in ``Limit``."""
+
+    part: str
+    where: str
+    value: float
+    margin: float
+
+    def __str__(self) -> str:
+        if math.isnan(self.value):
+            shown = "nothing to measure"
+        else:
+            shown = f"{self.value:.3g}" if abs(self.value) >= _LEAST else "0.000"
+        return f"{self.where}: {shown}" if self.where else shown
 
 
 @dataclass(frozen=True)
 class Judgement:
-    """The verdict of the datasets on a claim.
+    """The verdict of the figures on an entry.
 
     Attributes:
-        value: number of the part with the least margin.
-        margin: in [-1, 1], a continuous function of the numbers. If all parts meet the demand, the
-            least margin of a part; otherwise the mean over all parts, in which parts that meet it
-            count as 0. NaN where the claim is not checkable.
-        verdict: "reproduced" (all parts), "contradicted" (no part), "mixed", or "not checkable".
-        seen: the number of every part, or why the claim is not checkable.
+        verdict: "shown" if every number keeps its limit, else "not shown"; "not checkable" if a
+            dataset, a curve or a result is missing.
+        numbers: of every part and curve.
+        missing: why it is not checkable, "" if it is.
     """
 
-    value: float
-    margin: float
     verdict: Verdict
-    seen: str
+    numbers: tuple[Number, ...]
+    missing: str = ""
 
 
-def judge_claim(claim: Claim, tables: Tables) -> Judgement:
-    """Return the verdict of the tables on one claim."""
-    if claim.check is None:
-        return Judgement(math.nan, math.nan, "not checkable", claim.limit.reason)
+def judge_claim(claim: Claim, figures: Figures) -> Judgement:
+    """Return the verdict of figures on one entry; it sees only those that the entry names."""
+    if absent := [name for name in claim.figures if name not in figures]:
+        return Judgement("not checkable", (), f"there is no dataset {absent[0]}")
     try:
-        parts = claim.check.numbers(tables, claim.figures)
+        numbers = numbers_of(claim, {name: figures[name] for name in claim.figures})
     except MissingDataError as missing:
-        return Judgement(math.nan, math.nan, "not checkable", f"{missing}")
-    margins = {where: claim.limit.margin(value) for where, value in parts.items()}
-    worst = min(margins, key=margins.__getitem__)
-    verdict: Verdict
-    if margins[worst] > 0.0:
-        verdict, margin = "reproduced", margins[worst]
-    else:
-        verdict = "mixed" if max(margins.values()) > 0.0 else "contradicted"
-        margin = -sum(max(0.0, -each) for each in margins.values()) / len(margins)
-    seen = "; ".join(
-        f"{where}: {_shown(value)}" if where else _shown(value) for where, value in parts.items()
+        return Judgement("not checkable", (), str(missing))
+    return Judgement("shown" if all(n.margin >= 0.0 for n in numbers) else "not shown", numbers)
+
+
+def numbers_of(claim: Claim, figures: Figures) -> tuple[Number, ...]:
+    """Return the numbers of an entry by the figures at hand.
+
+    Raises:
+        MissingDataError: a curve or a result that the check reads is missing.
+    """
+    return tuple(
+        Number(part, where, value, claim.limits[part].margin(value))
+        for part, where, value in claim.check(figures)
     )
-    return Judgement(parts[worst], margin, verdict, seen)
 
 
-def _shown(value: float) -> str:
-    return "nothing to measure" if math.isnan(value) else f"{value:.3g}"
-
-
-def judge(tables: Tables) -> tuple[tuple[Claim, Judgement], ...]:
-    """Return every claim of the paper with its verdict, "not checkable" without its tables."""
-    return tuple((claim, judge_claim(claim, tables)) for claim in CLAIMS)
+def judge(figures: Figures) -> tuple[tuple[Claim, Judgement], ...]:
+    """Return every entry with its verdict."""
+    return tuple((claim, judge_claim(claim, figures)) for claim in CLAIMS)
 
 
 def tally(verdicts: Sequence[str]) -> str:
-    """Return the number of claims with each verdict, in one line."""
-    return ", ".join(f"{name} {list(verdicts).count(name)}" for name in VERDICTS)
+    """Return the number of entries with each verdict, in one line."""
+    return ", ".join(f"{list(verdicts).count(name)} {name}" for name in VERDICTS)
 
 
-# --- claims.csv ---------------------------------------------------------------------------------
+# --- claims.csv -----------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
 class Line:
-    """A row of ``claims.csv``: a claim and its verdict; numbers as text, "" for none."""
+    """A row of ``claims.csv``: an entry, its verdict and its numbers.
+
+    Attributes:
+        claim: identifier of the entry.
+        verdict: as in ``Judgement``.
+        place: place in the paper.
+        says: the paper's words, shortened.
+        seen: the numbers of every part, or why the entry is not checkable.
+        fails: the parts that do not keep their limits, "" for none.
+        random: share of random devices that shows the entry.
+    """
 
     claim: str
     verdict: str
     place: str
-    kind: str
-    statement: str
-    measure: str
-    value: str
-    demand: str
-    margin: str
+    says: str
     seen: str
-    reason: str
-    reading: str
-    shown_by: str
-    random_devices: str = ""  # shares of random draws that show it, and its evidence in bits
-    random_points: str = ""
-    bits: str = ""
-
-    @property
-    def sources(self) -> list[str]:
-        """Names of the figures and runs by which it is judged; the first shows it."""
-        return self.shown_by.split()
+    fails: str
+    random: float
 
 
-def lines_of(judged: Iterable[tuple[Claim, Judgement]]) -> list[Line]:
-    """Return the rows of ``claims.csv``."""
-    return [
-        Line(
-            claim=claim.id,
-            verdict=judgement.verdict,
-            place=claim.place,
-            kind=claim.kind,
-            statement=claim.statement,
-            measure=claim.measure,
-            value=_number(judgement.value),
-            demand="" if claim.check is None else claim.limit.demand,
-            margin=_number(judgement.margin),
-            seen=judgement.seen,
-            reason=claim.limit.reason,
-            reading=claim.reading,
-            shown_by=" ".join(claim.figures),
+def lines_of(judged: Iterable[tuple[Claim, Judgement]], shares: Mapping[str, float]) -> list[Line]:
+    """Return the rows of ``claims.csv``; ``shares`` of random devices by entry."""
+    rows = []
+    for claim, found in judged:
+        seen = [
+            f"{part}: {', '.join(str(n) for n in found.numbers if n.part == part)}"
+            for part in claim.limits
+        ]
+        fails = dict.fromkeys(number.part for number in found.numbers if number.margin < 0.0)
+        words = found.missing or "; ".join(seen), "; ".join(fails)
+        rows.append(
+            Line(claim.id, found.verdict, claim.place, claim.says, *words, shares[claim.id])
         )
-        for claim, judgement in judged
-    ]
-
-
-def _number(value: float) -> str:
-    return "" if math.isnan(value) else f"{value:.6g}"
+    return rows
 
 
 def ledger_text(lines: Iterable[Line]) -> str:
     """Return the content of ``claims.csv``."""
-    return records_text(Line, lines, {})
+    return records_text(Line, lines, {"random": ".3f"})
 
 
 def read_ledger(path: Path) -> list[Line]:

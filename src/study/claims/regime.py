@@ -1,39 +1,36 @@
-"""The regime of a figure: whether vibration aligns the part, and at what tilt.
-
-Numbers that are also claims are computed by the claims' checks.
-"""
+"""The regime of a figure: whether vibration aligns the part, at what tilt, and if it hops."""
 
 from typing import NamedTuple
 
 import numpy as np
 
 from model.events.outcomes import Unvibrated
-from study.claims.areas import least_share
-from study.claims.claims import CLAIMS
-from study.claims.data import Tables
-from study.claims.statistics import NAN, median, share
-
-_CHECKS = {claim.id: claim.check for claim in CLAIMS if claim.check}
+from study.claims.data import Figure
+from study.claims.measures import NAN, median, share
 
 
 class Regime(NamedTuple):
     """Numbers of one figure.
 
-    All but ``aligned`` are taken over the points that align, NaN without any.
+    All but the first three are taken over the points that align, NaN without any.
 
     Attributes:
-        aligned: share of the points that align, for the curve where it is least.
+        aligned: share of the points that align.
+        aligned_least: the same share, for the curve where it is least; of a map over all.
+        aligned_shown: the same share of the points up to f0 = 10, where the paper's text ends.
         static: share whose unvibrated control aligns as well.
-        not_resting: share whose unvibrated control does not rest on A1 (M4b).
+        not_resting: share whose unvibrated control does not rest on A1, more tilted than it starts.
         tilt: median magnitude of the tilt at alignment in radians.
         tilt_largest: largest magnitude of the tilt at alignment in radians.
-        corners: share that meets the four corner conditions (C8c).
-        lift_offs: share that lifts off before it aligns (N05 to N14).
-        first_period: share that aligns within the first period of the vibration (M10).
+        corners: share that meets the four corner conditions.
+        lift_offs: share that lifts off before it aligns.
+        first_period: share that aligns within the first period of the vibration.
         creeps: share that aligns later than that, and does not lift off before.
     """
 
     aligned: float
+    aligned_least: float
+    aligned_shown: float
     static: float
     not_resting: float
     tilt: float
@@ -44,30 +41,32 @@ class Regime(NamedTuple):
     creeps: float
 
 
-def regime_of(tables: Tables, figure: str) -> Regime:
+def regime_of(figure: Figure) -> Regime:
     """Return the regime of a figure.
 
     Raises:
-        MissingDataError: no dataset, or one without unvibrated controls.
+        MissingDataError: the dataset lacks unvibrated controls.
     """
-
-    def number(claim: str) -> float:
-        return _CHECKS[claim].numbers(tables, [figure])[""]
-
-    aligned, unvibrated, tilt, hops, in_first = (
-        tables.values(figure, text)
-        for text in ("aligned", "unvibrated", "tilt_at_alignment", "separations > 0",
-                     "tau * frequency < 6.283185")
-    )  # fmt: skip
-    tilts = np.abs(tilt[aligned])
+    runs = figure.whole
+    aligned = runs.aligned
+    of = {name: runs.result(name)[aligned] for name in ("tilt_at_alignment", "separations",
+          "unvibrated", "unvibrated_tilt", "tau_corners_inside", "tau_align")}  # fmt: skip
+    tilts, hops = np.abs(of["tilt_at_alignment"]), of["separations"] > 0
+    rests = (of["unvibrated"] == Unvibrated.RESTS) & (
+        of["unvibrated_tilt"] > figure.held["initial_tilt"]
+    )
+    in_first = of["tau_align"] * runs.result("frequency")[aligned] < 2.0 * np.pi
+    least = share(aligned) if figure.is_map else min(share(each.aligned) for each in figure.curves)
     return Regime(
-        aligned=least_share(aligned, tables.values(figure, "curve")),
-        static=share(unvibrated[aligned] == Unvibrated.ALIGNS),
-        not_resting=1.0 - number("M4b"),
+        aligned=share(aligned),
+        aligned_least=least,
+        aligned_shown=share(aligned[runs.result("press_force") <= 10.0]),
+        static=share(of["unvibrated"] == Unvibrated.ALIGNS),
+        not_resting=share(~rests),
         tilt=median(tilts),
         tilt_largest=float(tilts.max()) if tilts.size else NAN,
-        corners=number("C8c"),
-        lift_offs=1.0 - number(f"N{figure[3:]}"),
-        first_period=share(in_first[aligned]),
-        creeps=share(~(hops | in_first)[aligned]),
+        corners=share(np.isfinite(of["tau_corners_inside"])),
+        lift_offs=share(hops),
+        first_period=share(in_first),
+        creeps=share(~(hops | in_first)),
     )

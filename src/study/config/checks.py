@@ -13,7 +13,7 @@ def faults_of(study: Study) -> list[str]:
     """Return a line for every fault that only the whole study shows: path, value and rule."""
     faults = [*_values(study)]
     if not faults:
-        for check in (_ranges, _figures, _planes, _claims_runs, _jamming, _cases):
+        for check in (_ranges, _figures, _planes, _jamming, _cases):
             check(study, faults)
     return faults
 
@@ -100,16 +100,6 @@ def _planes(study: Study, faults: list[str]) -> None:
         with _noted(place, faults):
             held = study.baseline.replace(**plane.held)
             check_plane(lambda values: held.replace(**values), plane.x, plane.y)  # noqa: B023
-
-
-def _claims_runs(study: Study, faults: list[str]) -> None:
-    for name, run in study.claims_runs.items():
-        place = f"claims_runs.{name}"
-        faults += _varied(place, "run", (run.swept, run.family), run.held)
-        with _noted(place, faults):
-            check_name(run.figure, COMPUTED, "figure")
-            for part in (run.family, run.swept):
-                _vary(study.claim_parameters(name), part)
 
 
 def _jamming(study: Study, faults: list[str]) -> None:

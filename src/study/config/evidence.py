@@ -1,6 +1,6 @@
-"""Worth of the verdicts: random devices, and other assumptions than the study's."""
+"""What the verdicts are worth: random devices, other assumptions, other devices."""
 
-from typing import Any, Literal
+from typing import Any
 
 from pydantic import Field, field_validator
 
@@ -10,26 +10,6 @@ from study.config.base import ParameterValues, Text
 from study.config.identification import Grid
 
 
-class Drawing(Strict):
-    """Random draws of one kind, without words."""
-
-    drawn: Literal["everything", "operating points", "signs"]
-    """Unknowns that are drawn from the priors; or the sign with which each is off."""
-    step: float = Field(default=0.0, ge=0.0, lt=1.0)
-    """Share of its value by which every unknown of the study is off, up or down."""
-    count: int = Field(ge=1)
-    """Number of draws."""
-    parts: int = Field(default=1, ge=1)
-    """Number of jobs."""
-
-
-class Draws(Drawing):
-    """Random draws of one kind."""
-
-    title: Text
-    """Title of what is drawn."""
-
-
 class Change(Strict):
     """Difference from the study, without words."""
 
@@ -37,8 +17,6 @@ class Change(Strict):
     """Settings of runs other than the study's."""
     held: ParameterValues = Field(default_factory=dict)
     """Parameters of all figures other than the study's."""
-    inserted: bool = False
-    """Count a part as aligned only if it goes in."""
 
     @field_validator("settings")
     @classmethod
@@ -56,13 +34,19 @@ class Assumption(Change):
 
 
 class Evidence(Strict):
-    """Random devices and assumptions, judged by the claims; see study/evidence/."""
+    """Devices and assumptions that are judged by the list; see study/evidence/."""
 
     seed: int = Field(ge=0)
     """Seed of the random draws."""
     grid: Grid
     """Grid on which all of them are computed."""
-    draws: dict[str, Draws] = Field(min_length=1)
-    """Random draws by kind; the first are those by which a claim is weighed."""
-    assumptions: dict[str, Assumption]
-    """Assumptions by name."""
+    random: int = Field(ge=1)
+    """Number of devices drawn from the priors; their verdicts are stored, see ``make null``."""
+    near: int = Field(ge=1)
+    """Number of devices of which every unknown is off."""
+    step: float = Field(gt=0.0, lt=1.0)
+    """Share of its value by which it is off, up or down."""
+    assumptions: list[Assumption]
+    """Assumptions, each by itself."""
+    others: dict[str, dict[str, float]]
+    """Values of the unknowns of further devices, by their titles: results of searches."""

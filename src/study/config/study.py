@@ -11,7 +11,7 @@ from study.config.evidence import Evidence
 from study.config.figures import FIGURES, FigureSpec, Maps, Plane
 from study.config.identification import Identification
 from study.config.methods import Precision
-from study.config.runs import ClaimRun, Jamming
+from study.config.runs import Jamming
 
 
 class Study(Strict):
@@ -33,8 +33,6 @@ class Study(Strict):
     """Trials of the integrator's accuracy on random sets."""
     precision: Precision
     """Comparison of the methods' cost against their error."""
-    claims_runs: dict[str, ClaimRun]
-    """Curves that only the claims need, by name."""
     identification: Identification
     """The search for the parameters that the paper leaves unstated."""
     evidence: Evidence
@@ -76,12 +74,6 @@ class Study(Strict):
     def parameters(self, name: str) -> Parameters:
         """Return the parameters that a figure or map holds; those it varies are the baseline's."""
         return self.baseline.replace(**self.spec_of(name).held)
-
-    def claim_parameters(self, name: str) -> Parameters:
-        """Return the parameters that a run of the claims holds; others are the baseline's."""
-        run = self.claims_runs[name]
-        parameters = self.parameters(run.figure)
-        return parameters.replace(**run.changes(parameters.half_width, parameters.clearance))
 
     def case(self, name: str) -> Parameters:
         """Return the operating point of a case: that of its figure, changed by its own values."""

@@ -1,5 +1,5 @@
-"""Worth of the verdicts (decision 43).
+"""What the verdicts are worth (decision 43).
 
-``null`` judges devices drawn at random, ``assumptions`` the study's device under other assumptions,
-and ``worth`` weighs the ledger by what random devices show.
+``null`` has the verdicts on devices drawn at random, which are stored; ``cases`` judges the study's
+device off by a little and under other assumptions, and other devices.
 """

@@ -1,178 +1,179 @@
-"""Verdicts on devices drawn at random: the share of them that shows a claim is what it is worth.
+"""What random devices show of the list: their verdicts are stored beside this module.
 
-Devices are drawn from the priors of the search, or the study's structure is kept and operating
-points are drawn, or every unknown of the study is off by a share of its value, up or down.
+Nobody searched for these devices. Drawing and judging them takes minutes, so that it is done once
+for priors, list and grid, by ``make null``; the key of the three stands in the file. Other physics
+show when some of the devices are judged anew, which every build does.
 """
 
+import ast
+import hashlib
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 
+from model.compile.outline import outline
 from model.sweeps.axes import Plan
 from model.sweeps.sweep import Sweep
+from study.claims import checks, data, locked, measures
 from study.claims.claims import CLAIMS
-from study.claims.data import Tables
+from study.claims.data import Figures
 from study.claims.ledger import VERDICTS, judge
-from study.config.evidence import Drawing
 from study.config.identification import Grid
-from study.identification.candidates import tables_of
-from study.identification.space import Array, Space, own_values, space_of
+from study.identification.batch import figures_of
+from study.identification.space import Space, space_of
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from study.config.study import Study
 
 Verdicts = NDArray[np.int8]
-REPRODUCED = VERDICTS.index("reproduced")
-VERDICT = {
-    "long_name": "verdict on the claim",
-    "flag_values": np.arange(len(VERDICTS), dtype=np.int8),
-    "flag_meanings": " ".join(verdict.replace(" ", "_") for verdict in VERDICTS),
-}
-_DRAW = {"units": "1", "long_name": "number of the draw"}
-CLAIM = {"long_name": "claim of the paper, by its identifier"}
+FILE = Path(__file__).with_name("null.csv")
+SHOWN = VERDICTS.index("shown")
+_SIGNS = "+-?"  # of the verdicts, in their order
+_PART = 10  # devices that are run together
+_AGAIN, _BY_ROUNDING = 4, 0.05  # devices that are judged anew, and the share that may differ
+_MEND = "draw the random devices anew: make null"
+
+
+class NullError(ValueError):
+    """The stored verdicts are missing, or of other priors, another list or grid."""
+
+
+class Null(NamedTuple):
+    """Verdicts of random devices as places in ``VERDICTS``, shape (devices, entries)."""
+
+    verdicts: Verdicts
+
+    @property
+    def counts(self) -> NDArray[np.int64]:
+        """Number of entries that each device shows, shape (devices,)."""
+        return np.asarray((self.verdicts == SHOWN).sum(axis=1))
+
+    @property
+    def shares(self) -> dict[str, float]:
+        """Share of the devices that shows an entry, by entry."""
+        shares = (self.verdicts == SHOWN).mean(axis=0).tolist()
+        return dict(zip((claim.id for claim in CLAIMS), shares, strict=True))
 
 
 class NullPlan(Plan):
-    """Random draws of one kind as data.
+    """Random devices as data.
 
     Attributes:
         space: unknowns and their priors.
-        own: values of the study's own device, empty where none of them is kept.
-        draws: what is drawn.
         grid: on which the figures are computed.
-        seed: of the draws, and the number of the kind.
+        seed: of the draws.
+        count: number of devices.
     """
 
     space: Space
-    own: dict[str, float]
-    draws: Drawing
     grid: Grid
-    seed: tuple[int, int]
+    seed: int
+    count: int
+
+    @property
+    def devices(self) -> list[dict[str, float]]:
+        """Values of the unknowns of each device."""
+        size = self.count, len(self.space.names)
+        return [self.space.values(p) for p in np.random.default_rng(self.seed).random(size)]
+
+    @property
+    def key(self) -> str:
+        """Hash of priors, list and grid; the physics are checked by judging some devices anew."""
+        middle = self.space.values(np.full(len(self.space.names), 0.5))
+        axes = [
+            (name, each.parameter, each.values)
+            for name in self.space.figures
+            for each in self.space.sweep(middle, name, self.grid).dimensions
+        ]
+        limits = [
+            (claim.id, claim.figures, part, limit.threshold, limit.is_least)
+            for claim in CLAIMS
+            for part, limit in claim.limits.items()
+        ]
+        settings = self.space.settings
+        priors = self.space.problem.model_dump_json(include={"structure", "operating_points"})
+        grid = axes, self.grid.horizon, self.grid.tolerance, settings.start, settings.readings
+        parts = priors, sorted(self.space.fixed.items()), grid, limits, _code()
+        return hashlib.sha256(repr((*parts, self.seed, self.count)).encode()).hexdigest()[:16]
 
 
-def null_plan(study: "Study", kind: str) -> NullPlan:
-    """Return the plan of a kind of draws; ``everything`` is drawn whatever the study's device."""
-    spec, space = study.evidence, space_of(study)
-    draws = spec.draws[kind]
-    own = {} if draws.drawn == "everything" else own_values(study, space)
-    seed = spec.seed, [*spec.draws].index(kind)
-    drawing = Drawing(**draws.model_dump(exclude={"title"}))
-    return NullPlan(space=space, own=own, draws=drawing, grid=spec.grid, seed=seed)
+def _code() -> list[str]:
+    """Return what the checks say, without comments, docstrings or layout."""
+    files = [Path(str(each.__file__)) for each in (checks, data, locked, measures)]
+    trees = (ast.parse(file.read_text(encoding="utf-8")) for file in files)
+    return [repr(outline(tree, [])) for tree in trees]
 
 
-def drawn(plan: NullPlan) -> Array:
-    """Return the coordinates of all draws, shape (count, unknowns)."""
-    space, draws = plan.space, plan.draws
-    points = np.random.default_rng(plan.seed).random((draws.count, len(space.names)))
-    if draws.drawn == "signs":
-        up = {name: value * (1.0 + draws.step) for name, value in plan.own.items()}
-        own = space.point(plan.own)
-        step = space.point(up) - own
-        return np.clip(own + np.where(points < 0.5, -step, step), 0.0, 1.0)
-    if draws.drawn == "operating points":
-        structure = space.places["structure"]
-        points[:, structure] = space.point(plan.own)[structure]
-    return points
+def null_plan(study: "Study") -> NullPlan:
+    """Return the plan of the random devices."""
+    spec = study.evidence
+    return NullPlan(space=space_of(study), grid=spec.grid, seed=spec.seed, count=spec.random)
 
 
-def part_of(plan: NullPlan, part: int) -> "xr.Dataset":
-    """Return the verdicts on the draws of one part, over (draw, claim)."""
-    import xarray as xr  # noqa: PLC0415  (slow)
-
-    rows = np.array_split(np.arange(plan.draws.count), plan.draws.parts)[part]
-    values = [plan.space.values(point) for point in drawn(plan)[rows]]
-    verdicts = verdicts_of(tables_at(plan.space, values, plan.grid), len(rows))
-    return xr.Dataset(
-        {"verdict": (("draw", "claim"), verdicts, VERDICT)},
-        {
-            "draw": ("draw", rows, _DRAW),
-            "claim": ("claim", [claim.id for claim in CLAIMS], CLAIM),
-        },
-        {
-            "title": "A part of the verdicts on random devices",
-            "summary": "Verdicts on some of the devices that are drawn at random, of one kind.",
-            "figure": "null",
-            "config_hash": plan.identity,
-        },
-    )
-
-
-def tables_at(
+def verdicts_of(
     space: Space,
     devices: Sequence[Mapping[str, float]],
     grid: Grid,
     changed: Callable[[Sweep], Sweep] = lambda sweep: sweep,
-) -> Tables:
-    """Return the tables of devices, given by the values of their unknowns, with all figures.
+) -> Verdicts:
+    """Return the verdicts on devices, given by the values of their unknowns, (devices, entries).
 
     Every sweep is passed through ``changed``.
     """
-    frames: dict[str, pd.DataFrame] = {}
-    for figure in space.figures:
-        names = space.of_figure(figure, grid)
-        sweeps = [[changed(space.sweep(each, n, grid)) for n in names] for each in devices]
-        frames |= tables_of(sweeps, space.figures).frames
-    return Tables(frames)
+    rows = []
+    for first in range(0, len(devices), _PART):
+        part = devices[first : first + _PART]
+        sweeps = [[changed(space.sweep(d, n, grid)) for n in space.figures] for d in part]
+        settings = sweeps[0][0].settings.settings
+        for figures in figures_of(sweeps):
+            whole: Figures = {**figures, "locked": locked.locked_of(figures, settings)}
+            rows.append([VERDICTS.index(found.verdict) for _, found in judge(whole)])
+    return np.array(rows, dtype=np.int8)
 
 
-def verdicts_of(tables: Tables, devices: int) -> Verdicts:
-    """Return the verdicts on the devices of tables as places in ``VERDICTS``, (devices, claims)."""
-    judged = [[found.verdict for _, found in judge(tables.at(row))] for row in range(devices)]
-    return np.array([[VERDICTS.index(each) for each in row] for row in judged], dtype=np.int8)
-
-
-def merged(
-    plans: Mapping[str, NullPlan], titles: Sequence[str], parts: Sequence["xr.Dataset"]
-) -> "xr.Dataset":
-    """Return the dataset of all draws, with the share of each kind that shows a claim.
-
-    Args:
-        plans: of the kinds, by name.
-        titles: what is drawn, in words, by kind.
-        parts: in the order of the plans.
+def check_physics(plan: NullPlan, null: Null) -> None:
+    """Judge the first devices anew.
 
     Raises:
-        ValueError: parts that are not those of the plans.
+        NullError: more verdicts than rounding turns differ from those stored.
     """
-    import xarray as xr  # noqa: PLC0415  (slow)
+    again = verdicts_of(plan.space, plan.devices[:_AGAIN], plan.grid)
+    differ = float((again != null.verdicts[:_AGAIN]).mean())
+    if differ > _BY_ROUNDING:
+        raise NullError(
+            f"{FILE.name}: {differ:.0%} of the verdicts on its first devices are others now: it is "
+            f"of other physics; {_MEND}"
+        )
 
-    kinds, wanted = (
-        [*plans],
-        [(p.identity, n) for p in plans.values() for n in range(p.draws.count)],
-    )
-    found = [(part.attrs["config_hash"], n) for part in parts for n in part["draw"].values.tolist()]
-    if found != wanted:
-        raise ValueError("the parts are not those of the plan: delete them and build them again")
-    verdicts = np.concatenate([part["verdict"].values for part in parts])
-    of_draw = np.repeat(np.arange(len(kinds)), [p.draws.count for p in plans.values()])
-    shares = [(verdicts[of_draw == row] == REPRODUCED).mean(axis=0) for row in range(len(kinds))]
-    share = {"units": "1", "long_name": "share of the draws of a kind that reproduce the claim"}
-    kind_of_draw = {
-        "long_name": "kind of the draw",
-        "flag_values": np.arange(len(kinds), dtype=np.int8),
-        "flag_meanings": " ".join(kinds),
-    }
-    return xr.Dataset(
-        {
-            "verdict": (("draw", "claim"), verdicts, VERDICT),
-            "share": (("kind", "claim"), np.array(shares), share),
-            "title": ("kind", [*titles], {"long_name": "what is drawn, in words"}),
-        },
-        {
-            "kind": ("kind", kinds, {"long_name": "kind of draws"}),
-            "claim": ("claim", parts[0]["claim"].values, CLAIM),
-            "draw": ("draw", np.arange(len(verdicts)), _DRAW),
-            "kind_of_draw": ("draw", of_draw.astype(np.int8), kind_of_draw),
-        },
-        {
-            "title": "What random devices show of the claims",
-            "summary": "Verdicts on devices that are drawn at random, and the shares that "
-            "reproduce each claim.",
-            "figure": "null",
-        },
-    )
+
+def null_text(plan: NullPlan) -> str:
+    """Draw and judge the devices; return the file: the key, and a line of signs by entry."""
+    verdicts = verdicts_of(plan.space, plan.devices, plan.grid)
+    lines = [
+        f"{claim.id},{''.join(_SIGNS[place] for place in column)}"
+        for claim, column in zip(CLAIMS, verdicts.T, strict=True)
+    ]
+    return "\n".join([f"key,{plan.key}", *lines, ""])
+
+
+def stored_null(plan: NullPlan, file: Path = FILE) -> Null:
+    """Return the stored verdicts.
+
+    Raises:
+        NullError: there are none, or their key is another; the message names the command.
+    """
+    try:
+        lines = file.read_text(encoding="utf-8").splitlines()
+        rows = dict(line.split(",") for line in lines)
+        key, found = (
+            rows.pop("key"),
+            {name: [_SIGNS.index(s) for s in r] for name, r in rows.items()},
+        )
+    except (OSError, KeyError, ValueError) as error:
+        raise NullError(f"{file}: holds no verdicts of random devices ({error}); {_MEND}") from None
+    if key != plan.key or [*found] != [claim.id for claim in CLAIMS]:
+        raise NullError(f"{file.name}: is of other priors, another list or grid; {_MEND}")
+    return Null(np.array([*found.values()], dtype=np.int8).T)

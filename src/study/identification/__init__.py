@@ -1,5 +1,5 @@
 """The search for the parameters that the paper leaves unstated (decision 19).
 
-``space`` turns unknowns into sweeps, ``candidates`` computes and scores figures at operating
-points, ``search`` moves structures, and ``tables`` writes what was found.
+``space`` has the unknowns and what sweeps they stand for, ``batch`` computes the figures of many
+devices at once, and ``search`` finds the device by the ledger and the limits of the regime.
 """

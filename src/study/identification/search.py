@@ -1,284 +1,270 @@
-"""The search: structures drawn from the priors, moved by differential evolution, scored, polished.
+"""The search for what the paper leaves unstated, by the list that judges the device.
 
-Each part is a function of the parts before it and its own seed, so that a search can be interrupted
-and goes on. Within a structure the figures' operating points are chosen from those of near
-structures, changes of them, and new draws.
+Given the structure, each figure has an operating point of its own. So every figure is computed at
+several, and those are chosen together that show most; most entries read one figure only. Structures
+are drawn from the priors; the best are moved and mixed on a coarse grid, and refined on a fine one.
 """
 
-import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
+import yaml
 from numpy.random import Generator
-from scipy.optimize import differential_evolution
+from numpy.typing import NDArray
 from scipy.stats import qmc
 
-from study.claims.data import Tables
-from study.config.identification import Round, Stage
-from study.identification.candidates import (
-    Choice,
-    Numbers,
-    Scores,
-    chosen,
-    costs_alone,
-    picked_tables,
-    scores_of,
-    shortfall_at_last,
-)
-from study.identification.space import Array, Space
+from model.sweeps.sweep import Sweep
+from study.claims.claims import CLAIMS, Claim
+from study.claims.data import Figure
+from study.claims.ledger import judge_claim
+from study.claims.regime import Regime, regime_of
+from study.config.identification import Effort, Grid, Limits
+from study.identification.batch import figures_of
+from study.identification.space import Array, Space, configuration
 
-_STEPS = (0.01, 0.05, 0.2)  # by which operating points are changed, in widths of their priors
-_SMALL_STEPS = (0.003, 0.01, 0.03)  # of structures at last, in widths of their priors
-_NEW = 0.25  # share of operating points that are drawn from the priors
-_DIFFERENT = 0.02  # distance from which two structures count as different
-_FINAL, _POLISH = 1_000_000, 1_000_001  # numbers in seeds, beside those of the rounds
-_GIVE_UP = 1.3  # times the least shortfall above which a structure is not scored to its end
-# Figures in the order in which they rule out most structures for the least time.
-_ORDER = ("fig05", "fig10", "fig11", "fig09", "fig07", "fig08", "fig14", "fig13", "fig06", "fig12")
+Picked = Mapping[str, int]  # number of the operating point of each figure
+
+_PARTLY = 0.5  # of an entry, for how near its numbers come to their limits
+_LIMIT, _MOST = 3.0, 2.0  # entries that a limit missed by its whole size counts as, and the most
+_POINTS = {"rough": 3, "coarse": 5, "fine": 4}  # operating points of each figure, by grid
+_STEPS = (0.02, 0.06, 0.2)  # by which operating points are changed, in widths of their priors
+_MOVES = (0.01, 0.04, 0.12)  # by which structures are
+_BEST = 8  # sets from which others are made
+_FIRST = 3  # of these are judged on the fine grid
+_RESERVE = 1.05  # of the limits there: less may be kept on another grid
+_DEAR = (1.0, 4.0)  # what limits cost there, first and later, over what they cost before
 
 
 @dataclass(frozen=True)
 class Found:
-    """Sets with their shortfalls.
+    """A set that was judged.
 
     Attributes:
-        points: coordinates of all unknowns, shape (m, n).
-        shortfalls: in claims, shape (m,).
+        point: coordinates of all unknowns, shape (n,).
+        score: entries shown, and parts of others, less what limits are missed by.
+        shown: the entries shown.
+        regimes: of the figures, by name.
     """
 
-    points: Array
-    shortfalls: Array
-
-    @classmethod
-    def of(cls, choices: Iterable[Choice]) -> "Found":
-        """Return the sets of choices, the best first."""
-        ordered = sorted(choices, key=lambda choice: choice.shortfall)
-        return cls(
-            np.array([each.point for each in ordered]),
-            np.array([each.shortfall for each in ordered]),
-        )
-
-    def best(self, count: int, apart: float, places: slice) -> Array:
-        """Return the best sets whose structures differ by ``apart``, shape (<= count, n)."""
-        kept: list[Array] = []
-        for row in np.argsort(self.shortfalls, kind="stable"):
-            point = self.points[row]
-            if all(np.abs(point - each)[places].max() >= apart for each in kept):
-                kept.append(point)
-            if len(kept) == count:
-                break
-        return np.array(kept)
+    point: Array
+    score: float
+    shown: tuple[str, ...]
+    regimes: Mapping[str, Regime]
 
 
-def pool(space: Space, structures: int, stages: Sequence[Stage], part: int) -> Found:
-    """Return structures drawn from the priors by a Latin hypercube, with their best figures.
+class Choice:
+    """A structure with several operating points of each figure, of which the best are chosen.
 
-    The structures of a part are of one third of the half-widths; see ``bounds_of``.
+    It is judged by the entries that read its figures only, and by the regime of these.
     """
-    random, unknowns = random_of(space, 0, part), space.places["structure"].stop
-    low, high = bounds_of(part, unknowns).T
-    drawn = qmc.LatinHypercube(unknowns, rng=random).random(structures)
-    choices: list[Choice] = []
-    for structure in low + (high - low) * drawn:
-        parents = np.empty((0, len(space.names)))
-        made = scored(space, structure, parents, stages, random, _worst(choices, 20))
-        choices += [made[0]] if made else []
-    return Found.of(choices)
+
+    def __init__(
+        self,
+        space: Space,
+        limits: Limits | None,
+        structure: Array,
+        points: Mapping[str, Array],
+        grid: Grid,
+        strict: tuple[float, float] = (1.0, 1.0),
+    ) -> None:
+        self.space, self.limits, self.structure, self.points = space, limits, structure, points
+        self.reserve, self.dear = strict  # factors of values, and of what limits cost
+        found = iter(figures_of([[sweep] for sweep in self._sweeps(grid)]))
+        self.figures: Mapping[str, list[Figure]] = {
+            name: [next(found)[name] for _ in tried] for name, tried in points.items()
+        }
+        self.regimes = {n: [regime_of(each) for each in made] for n, made in self.figures.items()}
+        self._worths: dict[tuple[str, tuple[int, ...]], float] = {}
+        self.claims = [claim for claim in CLAIMS if {*claim.figures} <= {*points}]
+
+    def _sweeps(self, grid: Grid) -> Iterator[Sweep]:
+        for name, tried in self.points.items():
+            for point in tried:
+                yield self.space.sweep(self.space.values(self._whole({name: point})), name, grid)
+
+    def _whole(self, points: Mapping[str, Array]) -> Array:
+        whole = np.full(len(self.space.names), 0.5)
+        for name, point in {"structure": self.structure, **points}.items():
+            whole[self.space.places[name]] = point
+        return whole
+
+    def _worth(self, claim: Claim, picked: Picked) -> float:
+        """Return 1 for an entry that is shown, else below a half, the more the nearer it comes."""
+        key = claim.id, tuple(picked[name] for name in claim.figures)
+        if key not in self._worths:
+            figures = {name: self.figures[name][picked[name]] for name in claim.figures}
+            found = judge_claim(claim, figures)
+            near = [1.0 + min(number.margin, 0.0) for number in found.numbers]
+            partly = _PARTLY * sum(near) / len(near) if near else 0.0
+            self._worths[key] = 1.0 if found.verdict == "shown" else partly
+        return self._worths[key]
+
+    @cached_property
+    def _alone(self) -> Mapping[str, NDArray[np.float64]]:
+        """What each operating point of a figure is worth by itself, shape (points,)."""
+        return {
+            name: np.array([
+                sum(self._worth(c, {name: row}) for c in self.claims if c.figures == (name,))
+                - self.dear * missed(self.limits, name, regime, self.reserve)
+                for row, regime in enumerate(regimes)
+            ])
+            for name, regimes in self.regimes.items()
+        }  # fmt: skip
+
+    def score(self, picked: Picked) -> float:
+        """Return what operating points are worth together."""
+        total = sum(float(self._alone[name][row]) for name, row in picked.items())
+        if self.limits:
+            rests = [_known(self.regimes[n][row].not_resting, 1.0) for n, row in picked.items()]
+            mean = self.reserve * float(np.mean(rests))
+            total -= self.dear * _cost(mean, self.limits.not_resting)
+        return total + sum(self._worth(c, picked) for c in self.claims if len(c.figures) > 1)
+
+    def best(self, random: Generator) -> Found:
+        """Return the best choice: from several starts, one figure at a time."""
+        alone = {name: int(np.argmax(worth)) for name, worth in self._alone.items()}
+        others = [
+            {name: int(random.integers(len(tried))) for name, tried in self.points.items()}
+            for _ in range(2)
+        ]
+        picked = max(map(self._improved, [alone, *others]), key=self.score)
+        shown = [claim.id for claim in self.claims if self._worth(claim, picked) == 1.0]
+        point = self._whole({name: self.points[name][row] for name, row in picked.items()})
+        regimes = {name: self.regimes[name][row] for name, row in picked.items()}
+        return Found(point, self.score(picked), tuple(shown), regimes)
+
+    def _improved(self, picked: Picked) -> Picked:
+        value = -np.inf
+        while (now := self.score(picked)) > value + 1e-9:
+            value = now
+            for name, tried in self.points.items():
+                options = [{**picked, name: row} for row in range(len(tried))]
+                picked = max(options, key=self.score)
+        return picked
 
 
-def evolve(space: Space, spec: Round, number: int, start: int, before: Found) -> Found:
-    """Return the sets of a round of a search by differential evolution.
+def _known(value: float, otherwise: float) -> float:
+    return otherwise if np.isnan(value) else value
 
-    Args:
-        space: of the search.
-        spec: effort of the round.
-        number: number of the round, from 0.
-        start: number of the search, from 0; it keeps to a third of the half-widths.
-        before: sets of the pool for the first round, else of the round before.
+
+def _cost(value: float, most: float) -> float:
+    """Return what it costs, in entries, that a value is above its limit."""
+    return _LIMIT * min(max(value / most - 1.0, 0.0), _MOST)
+
+
+def missed(limits: Limits | None, figure: str, of: Regime, reserve: float = 1.0) -> float:
+    """Return by how much a figure misses the limits of the regime, in entries.
+
+    A figure that never aligns misses them as far as can be; the mean share not resting is left to
+    ``Choice.score``. Values count ``reserve`` times. Without limits it is 0.
     """
-    random, where = random_of(space, 1 + number, start), space.places["structure"]
-    bounds = bounds_of(start, where.stop)
-    near = before.best(30, _DIFFERENT, where)
-    choices: list[Choice] = []
-
-    def cost(structure: Array) -> float:
-        worst = _worst(choices, 4)
-        known = np.concatenate([*(each.point[None] for each in choices), near])
-        parents = _nearest(structure, known, where)
-        made = scored(space, structure, parents, spec.stages, random, worst)
-        if not made:
-            return _GIVE_UP * worst
-        choices.append(made[0])
-        return made[0].shortfall
-
-    differential_evolution(
-        cost,
-        bounds,
-        init=_population(before, spec.population, bounds, random),
-        maxiter=spec.generations - 1,
-        tol=0.0,
-        polish=False,
-        rng=random,
+    if limits is None:
+        return 0.0
+    ratios = (
+        (_known(of.not_resting, 1.0), limits.not_resting_most),
+        (_known(of.tilt, 1.0), limits.tilt),
+        (1.0 - _known(of.corners, 0.0), 1.0 - limits.corners),
+        (limits.aligned_least, max(of.aligned_least, 0.01)),
+        (limits.aligned.get(figure, 0.0), max(of.aligned_shown, 0.01)),
+        (_known(of.lift_offs, 1.0), limits.hops.get(figure, 1.0)),
     )
-    return Found.of(choices)
+    return sum(_cost(reserve * value, most) for value, most in ratios)
 
 
-def bounds_of(number: int, unknowns: int) -> Array:
-    """Return the bounds of a part of the pool or a search, shape (unknowns, 2).
+# --- The search -----------------------------------------------------------------------------------
 
-    Each keeps to a third of the half-widths, every third one to the same: slender and plump parts
-    rest, tilt and lift off differently, and all would end among those that meet the aims easily.
+
+def search(space: Space, effort: Effort) -> Found:
+    """Return the set at which a search from nothing ends, judged on the fine grid.
+
+    It is the same for the same seed.
     """
-    bounds = np.array([[0.0, 1.0]] * unknowns)
-    bounds[0] = (number % 3) / 3.0, (number % 3 + 1) / 3.0
-    return bounds
+    random, where = np.random.default_rng(effort.seed), space.places["structure"]
+    limits = space.problem.limits if effort.limited else None
+    settings = space.settings.model_copy(update={"start": effort.start})
+    space = space.model_copy(update={"settings": settings})
+    low, high = space.half_widths(effort.half_width)
+
+    def judged(structure: Array, parents: Sequence[Found], grid: str, dear: float = 1.0) -> Found:
+        structure = np.clip(structure, 0.0, 1.0)
+        structure[0] = np.clip(structure[0], low, high)
+        known = np.array([each.point for each in parents]).reshape(-1, len(space.names))
+        on = space.problem.grids[grid]
+        points = {n: _drawn(known[:, space.places[n]], _POINTS[grid], random) for n in on.counts}
+        reserve = _RESERVE if grid == "fine" else 1.0
+        return Choice(space, limits, structure, points, on, (reserve, dear)).best(random)
+
+    drawn = qmc.LatinHypercube(where.stop, rng=random).random(effort.drawn)
+    drawn[:, 0] = low + (high - low) * drawn[:, 0]
+    found = _best([judged(structure, [], "rough") for structure in drawn], where)
+    found = [judged(each.point[where], [each], "coarse") for each in found]
+    for _ in range(effort.moved):
+        structure, parents = _moved(_best(found, where), where, random)
+        found.append(judged(structure, parents, "coarse"))
+    for stage, dear in enumerate(_DEAR, 1):
+        found, random = _best(found, where), np.random.default_rng([effort.seed, stage])
+        tried = [judged(each.point[where], [each, *found], "fine", dear) for each in found[:_FIRST]]
+        for number in range(effort.refined):
+            best = _best(tried, where)[0]
+            step = (number % 2) * random.choice(_MOVES) * random.normal(size=where.stop)
+            tried.append(judged(best.point[where] + step, [best, *found], "fine", dear))
+        found = tried
+    return _best(found, where)[0]
 
 
-def _population(found: Found, count: int, bounds: Array, random: Generator) -> Array:
-    """Return the best structures within bounds, and draws if there are too few, (count, 7)."""
-    low, high = bounds.T
-    structures = found.best(len(found.points), _DIFFERENT, slice(0, len(bounds)))[:, : len(bounds)]
-    inside = structures[((low <= structures) & (structures <= high)).all(axis=-1)][:count]
-    draws = qmc.LatinHypercube(len(bounds), rng=random).random(count - len(inside))
-    return np.concatenate([inside, low + (high - low) * draws])
-
-
-def _nearest(structure: Array, known: Array, where: slice) -> Array:
-    """Return ``known`` sets, those with the nearest structures first."""
-    return known[np.argsort(np.abs(known[:, where] - structure).max(axis=-1), kind="stable")]
-
-
-def _worst(choices: Sequence[Choice], best: int) -> float:
-    """Return the shortfall of the last of the ``best`` choices; infinite with fewer."""
-    ordered = sorted(choice.shortfall for choice in choices)
-    return ordered[best - 1] if len(ordered) >= best else math.inf
-
-
-def random_of(space: Space, number: int, part: int) -> Generator:
-    """Return the random numbers of a part of the search, from the seed of the study."""
-    return np.random.default_rng([space.problem.seed, number, part])
-
-
-def scored(
-    space: Space,
-    structure: Array,
-    parents: Array,
-    stages: Sequence[Stage],
-    random: Generator,
-    limit: float = math.inf,
-) -> tuple[Choice, Mapping[str, Scores]] | None:
-    """Return the choice of a structure's operating points on the last grid, and its figures.
-
-    The first stage tries operating points of ``parents`` (the first counts most), changes of them
-    and new draws; each later one the best of the stage before, on its own grid.
-
-    Args:
-        space: of the search.
-        structure: coordinates, shape (7,).
-        parents: sets whose operating points are tried, shape (k, n).
-        stages: grids and numbers of operating points.
-        random: for changes and draws.
-        limit: a structure that must fall shorter, by a margin, is given up; None is returned.
-    """
-    points = {
-        name: _drawn(parents[:, space.places[name]], stages[0].points, random)
-        for name in space.figures
-    }
-    for stage in stages:
-        grid, figures, certain = space.grid(stage.grid), dict[str, Scores](), 0.0
-        for name in filter(space.figures.__contains__, _ORDER):
-            figures[name] = scores_of(space, structure, name, points[name][: stage.points], grid)
-            certain += float(costs_alone(space, name, figures[name], shared=0.0).min())
-            if certain > _GIVE_UP * limit:
-                return None
-        choice = chosen(space, structure, figures)
-        points = {name: _best_first(space, figures, choice, name) for name in space.figures}
-    return choice, figures
+def _best(found: Sequence[Found], where: slice) -> list[Found]:
+    """Return the best sets, the first first; of one structure only the best."""
+    kept: dict[bytes, Found] = {}
+    for each in sorted(found, key=lambda each: -each.score):
+        kept.setdefault(each.point[where].tobytes(), each)
+    return [*kept.values()][:_BEST]
 
 
 def _drawn(parents: Array, count: int, random: Generator) -> Array:
-    """Return operating points of a figure, shape (count, unknowns), from those of ``parents``."""
+    """Return operating points of a figure, shape (count, unknowns), from those of ``parents``.
+
+    The first and another parent's, changes of them, and a new one; all new ones without parents.
+    """
     size = parents.shape[1]
     if not len(parents):
         return qmc.LatinHypercube(size, rng=random).random(count)
-    near = parents[: max(1, count // 4)]
-    new = random.random((math.ceil(_NEW * count), size))
-    changed = count - len(near) - len(new)
-    of = parents[np.minimum(random.geometric(0.4, size=max(changed, 0)) - 1, len(parents) - 1)]
+    kept = parents[[0, int(random.integers(len(parents)))]]
+    of = parents[np.minimum(random.geometric(0.5, size=count - 3) - 1, len(parents) - 1)]
     step = random.choice(_STEPS, size=(len(of), 1))
-    return np.concatenate([near, new, np.clip(of + step * random.normal(size=of.shape), 0.0, 1.0)])[
-        :count
-    ]
+    changed = np.clip(of + step * random.normal(size=of.shape), 0.0, 1.0)
+    return np.concatenate([kept, changed, random.random((1, size))])
 
 
-def _best_first(space: Space, figures: Mapping[str, Scores], choice: Choice, name: str) -> Array:
-    """Return the operating points of a figure: the chosen one, then the best by several weights."""
-    made = figures[name]
-    ranks = [np.argsort(costs_alone(space, name, made, weight)) for weight in (2.0, 8.0, 20.0)]
-    order = [choice.picked[name], *np.array(ranks).T.ravel().tolist()]
-    return made.points[list(dict.fromkeys(order))]
+def _moved(best: Sequence[Found], where: slice, random: Generator) -> tuple[Array, list[Found]]:
+    """Return a structure made of the best sets, and the sets whose operating points it tries.
 
-
-def final(
-    space: Space, stages: Sequence[Stage], number: int, found: Found
-) -> tuple[Choice, Tables]:
-    """Return the set with the ``number``-th best structure, and its tables on the study's grids.
-
-    Its operating points are chosen anew on these grids.
+    It is the parent's moved by a little, mixed with two others, or the parent's own.
     """
-    where, point = space.places["structure"], _numbered(space, found, number)
-    parents = _nearest(point[where], found.points, where)[:60]
-    made = scored(space, point[where], parents, stages, random_of(space, _FINAL, number))
-    assert made is not None  # noqa: S101  (without a limit none is given up)
-    return made[0], picked_tables(made[1], made[0].picked)
+    parent = best[min(int(random.geometric(0.4)) - 1, len(best) - 1)]
+    structure, kind = parent.point[where].copy(), random.random()
+    if kind < 0.45:
+        structure += random.choice(_MOVES) * random.normal(size=structure.size)
+    elif kind < 0.8:
+        one, other = (best[int(k)].point[where] for k in random.choice(len(best), 2))
+        mixed = structure + 0.7 * (one - other) + 0.02 * random.normal(size=structure.size)
+        structure = np.where(random.random(structure.size) < 0.7, mixed, structure)
+    return structure, [parent, *best]
 
 
-def polish(
-    space: Space, stages: Sequence[Stage], trials: int, number: int, found: Found
-) -> tuple[Choice, Tables]:
-    """Return the ``number``-th best set after small steps, and its tables on the last grid.
-
-    A step to another structure and other operating points is kept if it falls shorter by less; a
-    set that misses a limit counts as a claim more.
-
-    Args:
-        space: of the search.
-        stages: grids and numbers of operating points of each step.
-        trials: number of steps.
-        number: of the set, from 0.
-        found: scored sets.
-    """
-    where, random = space.places["structure"], random_of(space, _POLISH, number)
-    point = _numbered(space, found, number)
-    unmoved = [stage.model_copy(update={"points": 1}) for stage in stages]
-    best = scored(space, point[where], point[None], unmoved, random)
-    assert best is not None  # noqa: S101  (without a limit none is given up)
-    least = _cost_at_last(space, *best)
-    for _ in range(trials):
-        point = best[0].point
-        step = random.choice(_SMALL_STEPS) * random.normal(size=where.stop)
-        structure = np.clip(point[where] + step, 0.0, 1.0)
-        made = scored(space, structure, point[None], stages, random, least / _GIVE_UP)
-        if made and (cost := _cost_at_last(space, *made)) < least:
-            best, least = made, cost
-    return best[0], picked_tables(best[1], best[0].picked)
-
-
-def _numbered(space: Space, found: Found, number: int) -> Array:
-    """Return the ``number``-th best of the sets whose structures differ, from 0."""
-    best = found.best(number + 1, _DIFFERENT, space.places["structure"])
-    if len(best) <= number:
-        raise LookupError(
-            f"only {len(best)} structures differ: lower final.sets and polish.sets, or search "
-            "longer"
-        )
-    return np.asarray(best[number])
-
-
-def _cost_at_last(space: Space, choice: Choice, figures: Mapping[str, Scores]) -> float:
-    """Return the ``shortfall_at_last`` of the chosen operating points."""
-    numbers = {
-        name: Numbers(*figures[name].numbers[row].tolist()) for name, row in choice.picked.items()
+def result_text(space: Space, found: Found) -> str:
+    """Return a set as YAML: as it stands in the configuration, what it shows, and its regime."""
+    values = space.values(found.point)
+    stated = {
+        "score": round(found.score, 3),
+        "entries": len(found.shown),
+        "shown": " ".join(found.shown),
+        **configuration(space, values),
+        "unknowns": {name: float(f"{value:.4g}") for name, value in values.items()},
+        "regime": {
+            name: {key: round(number, 3) for key, number in regime._asdict().items()}
+            for name, regime in found.regimes.items()
+        },
     }
-    return shortfall_at_last(space.problem, choice.shortfall, numbers)
+    return str(yaml.safe_dump(stated, sort_keys=False, default_flow_style=None, width=100))

@@ -5,21 +5,18 @@ damping ratios and the inertia as a multiple of the bare part's, as the priors a
 """
 
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from model.engine.results import RESULTS, UNVIBRATED_CONTROL
 from model.sweeps.axes import Axis, Family, Plan
 from model.sweeps.settings import RunSettings
 from model.sweeps.sweep import Sweep
-from model.sweeps.tracks import TRACK_QUANTITIES
-from study.config.figures import FIGURES
+from study.config.base import LogRange
 from study.config.identification import Grid, Problem
-from study.config.runs import ClaimRun
 from study.plans import sweep_of
 
 if TYPE_CHECKING:
@@ -32,32 +29,22 @@ DEVICE = (  # the parameters that ``structure_of`` returns
     "lateral_stiffness", "lateral_damping", "axial_damping", "tilt_damping",
 )  # fmt: skip
 TYPICAL_TILT_STIFFNESS = 10.0  # at which the tilt's damping ratio is taken; the paper varies k_φ
-MOST_INERTIA = 4.0  # of Fig. 10's axis, over the inertia of the bare part
-ON_FACE = 0.95  # of the misalignment at which the edge A1 leaves the bottom face
-TRACKED = ("centred", "pressed", "misaligned", "displaced", "rocking")  # read as trajectories
-REST_HORIZON, REST_TOLERANCE = 300.0, 1e-8  # what is not vibrated must be seen to come to rest
-_SCORED = (
-    *(name for name, result in RESULTS.items() if result.stored and not result.estimated),
-    *UNVIBRATED_CONTROL,
-    "insertion",
-)
+INERTIAS = 0.5, 2.0  # ends of Fig. 10's axis, over the inertia of the device
 
 
 class Space(Plan):
     """The search as data.
 
     Attributes:
-        problem: priors, grids and aims.
+        problem: priors, limits and grids.
         fixed: parameters that are not searched.
-        dimensions: dimensions of each figure and run of the claims, on the study's own grid.
-        runs: runs of the claims.
+        dimensions: dimensions of each figure on the study's own grid.
         settings: the study's own settings.
     """
 
     problem: Problem
     fixed: dict[str, float | None]
     dimensions: dict[str, list[Axis | Family]]
-    runs: dict[str, ClaimRun]
     settings: RunSettings
 
     @cached_property
@@ -100,87 +87,82 @@ class Space(Plan):
         given = np.array([values[name] for name in self.names])
         return np.clip(np.log(given / low) / np.log(high / low), 0.0, 1.0)
 
-    def grid(self, name: str) -> Grid:
-        """Return a grid by its name; "own" is the study's, with every third value of a map."""
-        if name != "own":
-            return self.problem.grids[name]
-        counts = {}
-        for each, dimensions in self.dimensions.items():
-            axes = [axis for axis in dimensions if isinstance(axis, Axis)]
-            counts[each] = axes[0].count // (3 if len(axes) == 2 else 1) if axes else 1
-        return Grid(counts=counts, horizon=self.settings.horizon, tolerance=1e-8)
+    def half_widths(self, kept: LogRange) -> tuple[float, float]:
+        """Return the coordinates of the ends of a range of half-widths."""
+        prior = self.problem.structure["half_width"]
+        low, high = (math.log(end / prior.low) for end in (kept.low, kept.high))
+        return low / math.log(prior.high / prior.low), high / math.log(prior.high / prior.low)
 
-    def of_figure(self, figure: str, grid: Grid) -> tuple[str, ...]:
-        """Return the figure and the runs of the claims at its operating point on a grid."""
-        runs = (name for name, run in self.runs.items() if run.figure == figure)
-        return figure, *(name for name in runs if name in grid.counts)
-
-    def sweep(self, values: Mapping[str, float], name: str, grid: Grid) -> Sweep:
-        """Return the sweep of a figure or run of the claims at values of the unknowns."""
-        run, device = self.runs.get(name), structure_of(values)
-        figure = run.figure if run else name
+    def sweep(self, values: Mapping[str, float], figure: str, grid: Grid) -> Sweep:
+        """Return the sweep of a figure at values of the unknowns."""
+        device = structure_of(values)
         operating = {
             unknown.partition(".")[2]: value
             for unknown, value in values.items()
             if unknown.startswith(f"{figure}.")
         }
-        stated = self.problem.stated.get(figure, {})
-        parameters = {**self.fixed, **device, **operating, **stated}
-        if run:
-            parameters |= run.changes(device["half_width"], float(self.fixed["clearance"] or 0.0))
-        limits = {"horizon": grid.horizon, "tolerance": grid.tolerance}
-        if parameters["frequency"] == 0.0 or not self.dimensions[name]:
-            limits = {"horizon": REST_HORIZON, "tolerance": REST_TOLERANCE}
+        parameters = {**self.fixed, **device, **operating, **self.problem.stated.get(figure, {})}
+        stated = self.dimensions[figure]
+        axes, count = sum(isinstance(each, Axis) for each in stated), grid.counts[figure]
+        counts = count if isinstance(count, list) else [count] * len(stated)
         dimensions = [
-            _on_grid(each, grid.counts[name], parameters) for each in self.dimensions[name]
+            _on_grid(each, number, parameters) for each, number in zip(stated, counts, strict=True)
         ]
-        axes = sum(isinstance(each, Axis) for each in dimensions)
         return Sweep.model_construct(
-            name=name,
+            name=figure,
             kind="map" if axes == 2 else "curves" if axes else "history",
             parameters=parameters,
-            settings=self.settings.model_copy(update=limits),
+            settings=self.settings.model_copy(
+                update={"horizon": grid.horizon, "tolerance": grid.tolerance}
+            ),
             dimensions=dimensions,
-            variables=(*_SCORED, *(TRACK_QUANTITIES if name in TRACKED else ())),
-        )
+            variables=("outcome", "tau_align", "separations", "tilt_at_alignment", "tilt_max",
+                       "tau_corners_inside", "unvibrated", "unvibrated_tilt", "slow_tilt"),
+        )  # fmt: skip
 
 
 def _on_grid(dimension: Axis | Family, count: int, parameters: Mapping[str, Any]) -> Axis | Family:
-    """Return a dimension with ``count`` values.
-
-    Fig. 10's axis begins at the inertia of the bare part. An axis of the misalignment ends where
-    the edge A1 would leave the bottom face, at a (2 + δ).
-    """
+    """Return a dimension with ``count`` values; Fig. 10's is about the inertia of the device."""
     if isinstance(dimension, Family):
         return dimension
     ends = {}
     if dimension.parameter == "inertia":
-        bare = bare_inertia(parameters)
-        ends = {"start": bare, "stop": MOST_INERTIA * bare}
-    if dimension.parameter == "misalignment":
-        reach = parameters["half_width"] * (2.0 + parameters["clearance"])
-        ends = {"stop": min(dimension.stop, ON_FACE * reach)}
+        low, high = (factor * parameters["inertia"] for factor in INERTIAS)
+        ends = {"start": low, "stop": high}
     return dimension.model_copy(update={"count": count, **ends})
 
 
-def space_of(study: "Study", figures: Collection[str] = FIGURES) -> Space:
-    """Return the search space of some figures; another device of the study is no other search."""
+def space_of(study: "Study") -> Space:
+    """Return the search space; another device of the study is no other search."""
     spec = study.identification
     stated = {**study.operating_point, **study.structure}
-    names = (*spec.operating_points, *study.claims_runs)
     problem = {name: getattr(spec, name) for name in Problem.model_fields}
-    searched = {name: priors for name, priors in spec.operating_points.items() if name in figures}
     # In a fixed order: Snakemake compares the texts of parameters, and a set's order changes.
     unknown = sorted({name for point in spec.operating_points.values() for name in point})
     fixed = {name: value for name, value in stated.items() if name not in {*unknown, *DEVICE}}
     return Space(
-        problem=Problem(**problem | {"operating_points": searched}),
+        problem=Problem(**problem),
         # A figure sets every unknown, or sweeps it: then no run uses the 1 that stands for it here.
         fixed={**dict.fromkeys(unknown, 1.0), "rest_x": None, "rest_y": None, **fixed},
-        dimensions={name: sweep_of(study, name).dimensions for name in names},
-        runs=study.claims_runs,
+        dimensions={name: sweep_of(study, name).dimensions for name in spec.operating_points},
         settings=study.settings,
     )
+
+
+def configuration(space: Space, values: Mapping[str, float]) -> dict[str, Any]:
+    """Return a device and its operating points as they stand in config.yaml."""
+
+    def rounded(stated: Mapping[str, float]) -> dict[str, float]:
+        return {name: float(f"{value:.4g}") for name, value in stated.items()}
+
+    held = {
+        figure: rounded(
+            space.problem.stated.get(figure, {})
+            | {name: values[f"{figure}.{name}"] for name in priors}
+        )
+        for figure, priors in space.problem.operating_points.items()
+    }
+    return {"structure": rounded(structure_of(values)), "held": held}
 
 
 def structure_of(values: Mapping[str, float]) -> dict[str, float]:

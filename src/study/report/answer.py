@@ -1,21 +1,22 @@
-"""Section at the head of the page: six numbers of the paper's figures, these by figure, one map."""
+"""Section at the head of the page: the ledger in two numbers, four of the figures, one map."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-import xarray as xr
+from numpy.typing import NDArray
 
-from study.claims import Tables
+from study.claims import CLAIMS, figure_of
 from study.claims.ledger import Line, read_ledger
 from study.claims.regime import Regime, regime_of
 from study.config.figures import MAPS
-from study.evidence.worth import shown_by
-from study.identification.hold_out import summary
 from study.report.figures import HEAD, Counts, article, counts_of
+from study.report.ledger import SIGNS, conclusions, count
 from study.report.section import Results, Section, Table, link
 from vibralign.plots.words import figure_number, figure_title, percent, short
+
+_SHOWN = 3  # figures that read most, and least, like the paper
 
 
 class Finding(NamedTuple):
@@ -25,29 +26,39 @@ class Finding(NamedTuple):
     label: str
 
 
+class Read(NamedTuple):
+    """A figure, and what the paper says of it, each statement with the sign of its verdict."""
+
+    name: str
+    title: str
+    said: list[tuple[str, str]]
+
+
 def section(results: Results) -> Section:
     """Return the section with the answer."""
     counts = counts_of(results)
-    regimes = {
-        name: regime_of(Tables.of({name: each.dataset}), name) for name, each in counts.items()
-    }
+    regimes = {name: regime_of(figure_of(each.dataset)) for name, each in counts.items()}
     lines = read_ledger(results.file("claims.csv"))
     reliable = {name: _reliable(results, counts[name]) for name in MAPS}
     goes_in = {name: each.share_of("insertion", "inserted") for name, each in counts.items()}
+    of = conclusions(lines)
     findings = [
-        _paper(lines, results.dataset("data/null.nc")),
-        _contact(lines),
+        _paper(lines, results.dataset("data/cases.nc")["random"].values),
+        Finding(f"{count(of)} of {len(of)}", "statements of the numbered conclusions shown"),
+        _contact(regimes),
         _first_period(regimes),
         _shares("rests on the edge unless it is vibrated", _resting(regimes)),
         _shares("goes in", goes_in),
         _shares("still aligns if it starts a little differently, where that is tried", reliable),
     ]
     rows = [_row(name, counts[name], regimes[name], goes_in[name]) for name in counts]
+    ranked = _ranked(lines)
     content = {
         "findings": findings,
+        "alike": ranked[:_SHOWN],
+        "unlike": ranked[-_SHOWN:],
         "figures": Table(
             ("figure", ">align", ">τ", ">hop", ">one period", ">creep", ">rest", ">go in"), rows),
-        "hold_out": summary(),
         "article": article(results, HEAD),
     }  # fmt: skip
     return Section("answer", "The answer", Path(__file__).with_suffix(".html.j2"), content)
@@ -62,29 +73,41 @@ def _row(name: str, own: Counts, regime: Regime, goes_in: float) -> Sequence[obj
     return title, percent(own.aligned_share), tau, *map(percent, shares)
 
 
-def _paper(lines: Sequence[Line], null: xr.Dataset) -> Finding:
-    judged = [line.verdict for line in lines if line.verdict != "not checkable"]
-    right, wrong = (judged.count(word) for word in ("reproduced", "contradicted"))
-    random = shown_by(null)[0].numbers
+def _paper(lines: list[Line], random: NDArray[np.int8]) -> Finding:
     label = (
-        "claims of the paper reproduced by a device that was searched for; random devices show "
-        f"{np.median(random):g} in the median, {random.max()} at most; {wrong} contradicted, the "
-        "others in part"
+        "statements of the paper shown, by a device that was searched for by this very list; "
+        f"random devices show {np.median(random):g} in the median, {random.max()} at most"
     )
-    return Finding(f"{right} of {len(judged)}", label)
+    return Finding(f"{count(lines)} of {len(lines)}", label)
 
 
-def _contact(lines: Sequence[Line]) -> Finding:
-    """Return in how many figures the part keeps contact, as the claims N05 to N14 judge it."""
-    kept = {line.shown_by: line.verdict for line in lines if line.claim.startswith("N")}
-    some = [name for name, verdict in kept.items() if verdict == "reproduced"]
-    words = "figures in which nearly every part keeps contact until it aligns"
-    return Finding(f"{len(some)} of {len(kept)}", f"{words}{_named(some)}; in the others many hop")
+def _ranked(lines: list[Line]) -> list[Read]:
+    """Return the figures with two entries of their own or more, those most like the paper first."""
+    figures = {claim.id: claim.figures for claim in CLAIMS}
+    own: dict[str, list[Line]] = {}
+    for line in lines:
+        for name in figures[line.claim] if len(figures[line.claim]) < 3 else ():
+            own.setdefault(name, []).append(line)
+    ranked = sorted(
+        (name for name, said in own.items() if len(said) > 1 and name.startswith("fig")),
+        key=lambda name: (-count(own[name]) / len(own[name]), name),
+    )
+    return [
+        Read(name, figure_title(name), [(SIGNS[each.verdict], each.says) for each in own[name]])
+        for name in ranked
+    ]
+
+
+def _contact(regimes: Mapping[str, Regime]) -> Finding:
+    """Return in how many figures nearly every part keeps contact, to a twentieth."""
+    some = [name for name, regime in regimes.items() if regime.lift_offs <= 0.05]
+    words = "of our figures in which nearly every part keeps contact until it aligns"
+    return Finding(f"{len(some)} of {len(regimes)}", f"{words}{_named(some)}; the paper: in all")
 
 
 def _first_period(regimes: Mapping[str, Regime]) -> Finding:
     some = [name for name, regime in regimes.items() if regime.first_period > 0.5]
-    words = "figures in which most parts align within the first period of the vibration"
+    words = "of our figures in which most parts align within the first period of the vibration"
     return Finding(f"{len(some)} of {len(regimes)}", f"{words}{_named(some)}")
 
 

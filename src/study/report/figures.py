@@ -75,19 +75,19 @@ def section(results: Results) -> Section:
     content = {
         "articles": [article(results, name) for name in shown if name != HEAD],
         "entries": [(figure_title(name), name) for name in study.figures],
-        "runs": _glance(counts_of(results)),
+        "runs": _outcomes(counts_of(results)),
+        "durations": _durations(counts_of(results)),
         "outcomes": outcomes,
     }
     return Section("figures", "The figures", Path(__file__).with_suffix(".html.j2"), content)
 
 
-def _glance(counts: dict[str, Counts]) -> Table:
-    """List the outcomes, durations and errors of every figure."""
+def _outcomes(counts: dict[str, Counts]) -> Table:
+    """List the outcomes of the runs of every figure."""
     ends = [end for end in Outcome if any(own.number_of(end) for own in counts.values())]
     heads = [f">{end.name.lower().replace('_', ' ')}" for end in ends]
     return Table(
-        ("figure", ">runs", *heads, ">chaotic", ">sensitive", ">τ from", ">to",
-         ">numerical error of τ: median", ">largest", ">if sensitive"),
+        ("figure", ">runs", *heads, ">chaotic", ">sensitive"),
         [
             (
                 link(figure_title(name), f"#{name}"),
@@ -95,6 +95,19 @@ def _glance(counts: dict[str, Counts]) -> Table:
                 *(f"{own.number_of(end):,}" for end in ends),
                 own.chaotic,
                 int(own.sensitive.sum()),
+            )
+            for name, own in counts.items()
+        ],
+    )
+
+
+def _durations(counts: dict[str, Counts]) -> Table:
+    """List the durations of every figure, and their numerical errors."""
+    return Table(
+        ("figure", ">τ from", ">to", ">numerical error: median", ">largest", ">if sensitive"),
+        [
+            (
+                link(figure_title(name), f"#{name}"),
                 *((short(tau, 3) for tau in (own.tau.min(), own.tau.max()))
                   if own.tau.size else ("–", "–")),
                 power(own.error(0.5)),

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from markupsafe import Markup
 
-from study.report import answer, background, figures, findings
+from study.report import answer, background, figures, findings, ledger
 from study.report.section import Results, Section, subscripts
 from vibralign.plots.style import FORMATS
 from vibralign.plots.templates import templates
@@ -18,7 +18,7 @@ FINDINGS: tuple[Make, ...] = (
     answer.section,
     figures.section,
     findings.vibration,
-    findings.claims,
+    ledger.section,
     findings.jamming,
 )
 

@@ -1,11 +1,10 @@
-"""Curves: Figs. 6 to 12 over one parameter, the runs of the claims, and the settings of a design.
+"""Curves: Figs. 6 to 12 over one parameter, and the settings of a design.
 
 Where a part does not align there is no duration. The curve has a gap, and a strip below the curves
 marks the gap, so that it is not taken for missing data.
 """
 
 from collections.abc import Mapping
-from string import ascii_lowercase
 from typing import Any
 
 import numpy as np
@@ -27,21 +26,10 @@ _THIN: Mapping[str, Any] = {"markeredgecolor": style.BLACK, "markeredgewidth": 0
 _MARK: Mapping[str, Any] = {"color": style.BLACK, "linestyle": "none", "markersize": 3.5}
 _RING: Mapping[str, Any] = {**_MARK, "marker": "o", "markersize": 4.5, "markerfacecolor": "none"}
 _CROSS: Mapping[str, Any] = {**_MARK, "marker": "x"}
-_BAND: Mapping[str, Any] = {"linewidth": 7.0, "alpha": 0.3, "solid_capstyle": "butt", "zorder": 1.5}
 _ARROW: Mapping[str, Any] = {**_MARK, "marker": "$\\uparrow$", "markersize": 7.0, "clip_on": False}
 _JUMP = 2.0 * np.pi / 3.0  # a third of a period of the vibration, as a phase
-_NEARLY_ALL = 0.98  # of the points: the rest may lie beyond the axis
-_NEARLY_LEVEL = 0.5  # shortest over longest duration, from which on the axis does not begin at 0
+_NEARLY_ALL = 0.92  # of the points: the rest may lie beyond the axis
 _EMPTY, _MARGIN, _EDGE = 0.15, 0.05, 0.01  # shares of an axis: see ``_ends_of_axis``
-_DURATION = ("tau_align", "alignment duration $τ$")
-# Variable and label of the claims' own runs that are not judged by the duration.
-_CLAIMED: Mapping[str, tuple[str, str]] = {
-    "centred": ("excursion", "largest displacement in $x$"),
-    "pressed": ("tilt_end", "tilt at the end (rad)"),
-    "displaced": ("way", "share of the distance to the slot"),
-    "rocking": ("tilt_min", "least tilt on the way (rad)"),
-}
-_LOWEST = -1.5  # end of an axis: a part that turns over moves far away from the slot
 
 
 def curves(dataset: xr.Dataset) -> Figure:
@@ -134,12 +122,8 @@ def _ends_of_durations(durations: Floats) -> tuple[float, float, float]:
     """
     if not durations.size:
         return 0.0, 1.0, 0.0
-    shortest, longest = float(durations.min()), float(durations.max())
-    usual = float(np.quantile(durations, _NEARLY_ALL))
-    margin = _MARGIN * ((longest - shortest) or longest)
-    if shortest > _NEARLY_LEVEL * longest:
-        return shortest - margin, longest + margin, longest
-    top = 1.05 * longest if longest < 3.0 * usual else 1.5 * usual
+    longest, usual = float(durations.max()), float(np.quantile(durations, _NEARLY_ALL))
+    top = 1.05 * longest if longest < 1.5 * usual else 1.25 * usual
     return 0.0, top or 1.0, longest
 
 
@@ -206,58 +190,6 @@ def _draw_strip(
     if lines.size:
         notes += strip.plot(swept[columns], lines, label=style.FAILED_LABEL, **_CROSS)
     return notes
-
-
-def draw_runs(*datasets: xr.Dataset) -> Figure:
-    """Draw the runs made for the claims alone, a panel for each dataset in the order given.
-
-    Where another quantity than the duration is shown, a pale band marks the runs that align.
-    """
-    rows = -(-len(datasets) // 2)
-    with style.context():
-        figure = style.new_figure(height=7.2 * rows * style.CENTIMETRE)
-        panels = figure.subplots(rows, 2, squeeze=False).flat
-        for letter, axes, dataset in zip(ascii_lowercase, panels, datasets, strict=False):
-            title = str(dataset.attrs["title"])
-            axes.set_title(f"$\\bf{{{letter}}}$  {title}", loc="left")
-            _draw_run(axes, dataset, *_CLAIMED.get(dataset.attrs["figure"], _DURATION))
-        for axes in [*figure.axes][len(datasets) :]:
-            axes.set_visible(False)
-        return figure
-
-
-def _draw_run(axes: Axes, dataset: xr.Dataset, variable: str, label: str) -> None:
-    family, swept = (dataset[str(name)] for name in dataset["tau_align"].dims)
-    times = variable == _DURATION[0]
-    broken = jumps(dataset) & times
-    symbol, shown = style.symbol_of(family), np.isfinite(dataset[variable].values)
-    for row, value in enumerate(family.values):
-        points = swept.values, dataset[variable].values[row]
-        name = f"{symbol} = {value:g}" if shown[row].any() else f"_none {row}"
-        _draw_curve(axes, row, points, broken[row], name)
-        if not times:
-            _draw_bands(axes, row, points, np.isfinite(dataset["tau_align"].values[row]))
-    if not times and np.isfinite(dataset["tau_align"].values).any():
-        axes.plot([], [], label="aligns", color=style.GREY, **_BAND)
-    for first, end in style.runs_of(~shown.any(axis=1)):
-        ends = dict.fromkeys(f"{family.values[row]:g}" for row in (first, end - 1))
-        axes.plot([], [], label=f"{symbol} = {' to '.join(ends)}: none", linestyle="none")
-    known = shown.any(axis=0)
-    low, high, beyond = _ends_of_axis(swept.values, known)
-    axes.set_xlim(low, high)
-    axes.set_ylim(bottom=max(_LOWEST, min(0.0, axes.get_ylim()[0])))
-    axes.set_xlabel(style.axis_label(swept) + beyond)
-    axes.set_ylabel(label)
-    axes.legend(loc="best", handlelength=1.4, labelspacing=0.3)
-
-
-def _draw_bands(axes: Axes, index: int, points: tuple[Floats, Floats], aligned: Bools) -> None:
-    """Draw a band below curve ``index`` along its runs that align, half a step beyond each end."""
-    x, y = points
-    edges, colour = style.cell_edges(x), style.curve(index)["color"]
-    for i, j in style.runs_of(aligned):
-        along, level = [edges[i], *x[i:j], edges[j]], [y[i], *y[i:j], y[j - 1]]
-        axes.plot(along, level, label=f"_aligns {index}", color=colour, **_BAND)
 
 
 def draw_settings(dataset: xr.Dataset, why: str = "") -> Figure:

@@ -91,7 +91,7 @@ def stability_map(dataset: xr.Dataset) -> Figure:
         drawing.borders(gaps)
         drawing.contours(durations)
         if "reliable" in dataset:
-            drawing.outline(dataset["reliable"] == 1, every, style.VERMILLION, "-")
+            drawing.reliable(dataset["reliable"] == 1, every, style.VERMILLION)
         if "unvibrated" in dataset:
             needed = dataset["unvibrated"].copy(data=added(dataset) == ONLY_VIBRATED)
             drawing.outline(needed, VIBRATION_LABEL, style.BLACK, "--")
@@ -161,7 +161,9 @@ class _Drawing:
         return self.figure
 
     def area(self, cells: Bools, label: str, look: Look) -> None:
-        """Draw the cells where ``cells`` is True as one patch."""
+        """Draw the cells where ``cells`` is True as one patch, if there are any."""
+        if not cells.any():
+            return
         x, y = self.edges
         corners: list[Place] = []
         codes: list[np.uint8] = []
@@ -236,23 +238,30 @@ class _Drawing:
                 longest = parts[int(np.argmax(lengths))]
                 yield tuple(longest[len(longest) // 2])
 
+    def reliable(self, inside: xr.DataArray, label: str, colour: str) -> None:
+        """Outline the nodes ``inside``; on a coarser grid mark each, as a line would join them."""
+        if inside.size == self.x.size * self.y.size:
+            self.outline(inside, label, colour, "-")
+        elif inside.any():
+            y, x = (inside[name].values for name in inside.dims)
+            rows, columns = np.nonzero(inside.values)
+            words = label.removeprefix("ticked side: ") + ", where these are tried"
+            look: Look = {"linestyle": "none", "marker": ".", "markersize": 2.0, "color": colour}
+            self.axes.plot(x[columns], y[rows], label=f"_{words}", **look)
+            self.handles.append(Line2D([], [], label=words, **{**look, "markersize": 6.0}))
+
     def outline(
         self, inside: xr.DataArray, label: str, colour: str, line: Literal["-", "--"]
     ) -> None:
-        """Outline the nodes ``inside``, with ticks inwards; they may have a coarser grid.
-
-        The line runs halfway between nodes of the dataset's grid; on a coarser one through the
-        last nodes inside, so that no node that is not computed is claimed to be inside.
-        """
+        """Outline the nodes ``inside``, with ticks inwards, halfway between nodes."""
         if inside.all() or not inside.any():
             return
-        level = 0.5 if inside.size == self.x.size * self.y.size else 0.99
         y, x = (inside[name].values for name in inside.dims)
         outline: QuadContourSet = self.axes.contour(
             x,
             y,
             inside.values.astype(float),
-            [level],
+            [0.5],
             colors=colour,
             linestyles=line,
             linewidths=1.6,

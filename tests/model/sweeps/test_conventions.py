@@ -16,10 +16,9 @@ from model.sweeps.io import write_dataset
 from model.sweeps.settings import Ensemble, RunSettings
 from model.sweeps.sweep import Sweep, merge, run
 from model.sweeps.version import version
-from study.config import Study
+from study.config import GRIDDED, Study
 from study.config.identification import Grid
-from study.evidence.assumptions import OWN, assumptions_dataset, assumptions_plan
-from study.evidence.null import merged, null_plan, part_of
+from study.evidence.cases import cases_dataset, cases_plan
 from study.plans import sweep_of
 from vibralign import Parameters
 from vibralign.answers.design import Design, tried_of
@@ -84,24 +83,14 @@ def design() -> xr.Dataset:
     return design_dataset(stated, Design(tried, 0, {}, {}, stated.free))
 
 
-def judged(study: Study) -> dict[str, xr.Dataset]:
-    """Verdicts on random devices, a part and the whole, and under the study's assumptions."""
-    counts = {"fig06": 2, "fig07": 2}
+def judged(study: Study) -> xr.Dataset:
+    """Verdicts by case."""
+    counts = dict.fromkeys(GRIDDED, 3) | {"fig05": 1}
     tiny = Grid(counts=counts, horizon=1.0, tolerance=1e-4)
-    plan = null_plan(study, "devices")
-    few = plan.draws.model_copy(update={"count": 2, "parts": 1})
-    points = {"fig06": plan.space.problem.operating_points["fig06"]}
-    problem = plan.space.problem.model_copy(update={"operating_points": points})
-    space = plan.space.model_copy(update={"problem": problem})
-    plan = plan.model_copy(update={"draws": few, "grid": tiny, "space": space})
-    part = part_of(plan, 0)
-    under = assumptions_plan(study)
-    alone = {"grid": tiny, "space": space, "assumptions": {OWN: under.assumptions[OWN]}}
-    return {
-        "null_part": part,
-        "null": merged({"devices": plan}, ["random devices"], [part]),
-        "assumptions": assumptions_dataset(under.model_copy(update=alone), {}),
-    }
+    plan = cases_plan(study)
+    return cases_dataset(
+        plan.model_copy(update={"grid": tiny, "near": 1, "assumptions": {}}), np.arange(3)
+    )
 
 
 @pytest.fixture(scope="module")
@@ -114,12 +103,12 @@ def written(
     study, in_si = small_study(4, 3), map_in_si()
     forces = map_over_force(device)
     datasets = {
-        **{name: swept(study, name) for name in ("fig05", "centred", "jamming")},
+        **{name: swept(study, name) for name in ("fig05", "jamming")},
         "chunk": run(few(study, "fig06"), 0, 2),
         "map": merge(forces, "A map", [run(forces)]),
         "map_in_si": merge(in_si, "A map", [run(in_si)]),
         "design": design(),
-        **judged(study),
+        "cases": judged(study),
     }
     paths = {kind: tmp_path_factory.mktemp("files") / f"{kind}.nc" for kind in datasets}
     for kind, dataset in datasets.items():

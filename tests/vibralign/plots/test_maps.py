@@ -137,20 +137,36 @@ def contours(figure: Figure, label: str) -> list[QuadContourSet]:
     return [each for each in labelled if isinstance(each, QuadContourSet)]
 
 
-def test_a_map_shows_areas_contours_and_the_reliable_area():
+TRIED = "aligns from every start, where these are tried"
+
+
+def test_a_map_shows_areas_contours_and_the_nodes_that_are_reliable():
     shown = dataset()
     figure = draw(shown)
-    assert words(figure) == [NOT_ALIGNED, RELIABLE_LABEL]
-    (outline,) = contours(figure, f"_{RELIABLE_LABEL}")
-    x, y = (shown[name].values for name in ("tilt_stiffness", "press_force"))
-    for across, up in np.concatenate([path.vertices for path in outline.get_paths()]):
-        # Inside the area, within a space between nodes with all starts.
-        assert 4.0 <= across - 2.0 * up + 0.01 <= 4.0 + 4.0 * (x[1] - x[0] + 2.0 * (y[1] - y[0]))
-    assert len(y) == CELLS + 1
+    assert words(figure) == [NOT_ALIGNED, TRIED]
+    (marks,) = named(figure.axes[0].lines, f"_{TRIED}")
+    rows, columns = np.nonzero(shown["reliable"].values)
+    np.testing.assert_array_equal(marks.get_xdata(), shown["start_tilt_stiffness"].values[columns])
+    np.testing.assert_array_equal(marks.get_ydata(), shown["start_press_force"].values[rows])
     (lines,) = contours(figure, "_contours")
     assert len(lines.labelTexts) >= 2
     tau = shown["tau_align"].values
     assert all(np.nanmin(tau) < level < np.nanmax(tau) for level in lines.levels)
+
+
+def test_where_starts_are_tried_at_every_node_the_reliable_area_is_outlined():
+    shown = dataset()
+    sure = shown["outcome"].copy(data=(shown["tau_align"].values < 10.0).astype(np.int8))
+    figure = draw(shown.drop_vars("reliable").assign(reliable=sure))
+    assert words(figure) == [NOT_ALIGNED, RELIABLE_LABEL]
+    assert len(contours(figure, f"_{RELIABLE_LABEL}")) == 1
+
+
+def test_what_is_not_there_has_no_entry_in_the_legend():
+    shown = dataset(reliable=False)
+    shown["tau_align"][:] = 2.0
+    shown["outcome"][:] = Outcome.ALIGNED
+    assert words(draw(shown)) == []
 
 
 def test_the_area_that_needs_vibration_is_outlined():
@@ -178,7 +194,7 @@ def test_what_vibration_adds_is_shown_as_four_areas():
 
 def test_without_reliability_there_is_no_outline():
     assert contours(draw(dataset(reliable=False)), f"_{RELIABLE_LABEL}") == []
-    assert RELIABLE_LABEL not in words(draw(dataset().drop_vars("reliable")))
+    assert TRIED not in words(draw(dataset().drop_vars("reliable")))
 
 
 @pytest.mark.parametrize(
@@ -243,4 +259,4 @@ def test_the_legend_of_a_map_fits_its_page(scene, verb):
     box = figure.legends[0].get_window_extent()
     assert figure.bbox.x0 <= box.x0
     assert box.x1 <= figure.bbox.x1
-    assert f"ticked side: {verb} from every start" in words(figure)
+    assert f"{verb} from every start, where these are tried" in words(figure)

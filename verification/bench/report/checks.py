@@ -43,3 +43,15 @@ CHECKS = (
         "make truth", "ac68ce1",
     ),
 )  # fmt: skip
+
+# CPU µs of a trajectory at a true error of 10⁻⁸, as `make bench` gave them.
+SPEED_HEAD = ("code", ">W1", ">W2", ">W3", ">Fig. 6", ">Fig. 13")
+SPEEDS = (
+    ("batch engine, one run", "7.0", "441", "549", "95", "138"),
+    ("batch engine, with its estimate of the error", "10.4", "543", "742", "142", "238"),
+    ("heyoka, batch", "27.0", "956", "not reached", "379", "389"),
+    ("heyoka, scalar", "55.0", "3,315", "5,576", "948", "1,154"),
+    ("scipy, restarted at events, its best", "3,325", "336,531", "406,508", "not reached",
+     "not reached"),
+)  # fmt: skip
+SPEEDS_BY = "make bench, 25 November 2026, an Intel Xeon, commit 0717e3e"

@@ -12,7 +12,7 @@ from study.report.section import Results, Section, Table, link, settings_of, sub
 from verification.bench.methods import METHODS
 from verification.bench.plans import PICTURES
 from verification.bench.report.advice import COARSE, FINE, advice, ladders, nearest, needs
-from verification.bench.report.checks import CHECKS, HEAD
+from verification.bench.report.checks import CHECKS, HEAD, SPEED_HEAD, SPEEDS, SPEEDS_BY
 from verification.bench.report.work_precision_plots import CAPTIONS
 from verification.bench.work_precision import Setting, read_settings
 from vibralign.plots.words import figure_title, number, power
@@ -24,7 +24,7 @@ def section(results: Results) -> Section:
     settings = read_settings(results.file("benchmarks/precision.csv"))
     lead, *sentences = advice(settings, [*precision.cases])
     content = {
-        "sentences": [*sentences, *_counts(settings)],
+        "sentences": [*sentences, *_counts(settings, results.study)],
         "checked": _checked(settings, results.study),
         "cases": _cases(results.study),
         "pictures": [results.picture(place, CAPTIONS[name]) for name, place in PICTURES.items()],
@@ -35,20 +35,32 @@ def section(results: Results) -> Section:
         "hard": precision.hard,
         "order": ORDER,
         "checks": Table(HEAD, CHECKS),
+        "speeds": Table(SPEED_HEAD, SPEEDS),
+        "speeds_by": SPEEDS_BY,
     }
     template = Path(__file__).with_suffix(".html.j2")
     return Section("speed", "Error against cost", template, content, lead)
 
 
-def _counts(settings: Sequence[Setting]) -> list[str]:
-    """Return for each method on how many of its cases it keeps the coarse error."""
+def _counts(settings: Sequence[Setting], study: Study) -> list[str]:
+    """Return for each method on how many of its cases it keeps the coarse error.
+
+    Cases whose truth is an independent solution are counted apart from those of our own engine.
+    """
     known = {each.case for each in settings if not math.isnan(each.error)}
+    apart = known & {*study.precision.cases, *study.precision.hard.independent}
     need = needs(settings, COARSE)
     counts = []
     for name, method in METHODS.items():
-        own = sum(each == name and case in known for each, case in ladders(settings))
-        kept = sum(each == name for each, _ in need)
-        counts.append(f"{method.name}: keeps {power(COARSE)} in {kept} of {own} cases.")
+        numbers = []
+        for cases in (apart, known - apart):
+            own = sum(each == name and case in cases for each, case in ladders(settings))
+            kept = sum(each == name and case in cases for each, case in need)
+            numbers += [f"{kept} of {own} cases"]
+        counts.append(
+            f"{method.name}: keeps {power(COARSE)} in {numbers[0]} judged by the independent "
+            f"solution, and in {numbers[1]} judged by our own engine."
+        )
     return counts
 
 
@@ -107,7 +119,10 @@ def _needed(settings: Sequence[Setting], target: float, titles: Mapping[str, str
                 first[case].outcome.replace("_", " "),
                 power(first[case].uncertainty),
                 f"{first[case].events:,}",
-                *(_cell(runs.get((name, case)), need.get((name, case))) for name in METHODS),
+                *(
+                    _cell(runs.get((name, case)), need.get((name, case)), first[case].uncertainty)
+                    for name in METHODS
+                ),
             )
             for case, title in titles.items()
             if case in first
@@ -115,9 +130,12 @@ def _needed(settings: Sequence[Setting], target: float, titles: Mapping[str, str
     )
 
 
-def _cell(ladder: Sequence[Setting] | None, need: Setting | None) -> str:
+def _cell(ladder: Sequence[Setting] | None, need: Setting | None, uncertainty: float) -> str:
+    """Return time and evaluations of a run, pale if its error is below the truth's own."""
     if need is not None:
-        return Markup("{:,}<br>{:,.0f} µs").format(need.rhs_evaluations, need.microseconds)
+        look = Markup(' class="soft"') if need.error < uncertainty else ""
+        words = Markup("<span{}>{:,.0f} µs<br>{:,}</span>")
+        return words.format(look, need.microseconds, need.rhs_evaluations)
     if ladder is None:
         return "–"
     best = nearest(ladder)

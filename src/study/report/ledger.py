@@ -1,0 +1,137 @@
+"""Section on the ledger: what the paper says, judged, beside what other devices show."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from study.claims import CLAIMS, VERDICTS, tally
+from study.claims.ledger import Line, read_ledger
+from study.evidence.cases import KINDS
+from study.evidence.null import SHOWN
+from study.report.section import Results, Section, Table, link
+from vibralign.plots.words import figure_title, percent
+
+SIGNS: Mapping[str, str] = dict(zip(VERDICTS, ("✓", "✗", "–"), strict=True))
+_CLAIM = {claim.id: claim for claim in CLAIMS}
+
+
+def section(results: Results) -> Section:
+    """Return the section on the paper's statements and their verdicts."""
+    lines, cases = read_ledger(results.file("claims.csv")), results.dataset("data/cases.nc")
+    content = {
+        "tally": tally([line.verdict for line in lines]),
+        "beside": _beside(lines, cases),
+        "counts": _counts(cases),
+        "assumptions": _assumptions(cases),
+        "entries": [(line, _parts(line), _sources(line)) for line in lines],
+        "shared": _shared(),
+        "signs": SIGNS,
+        "files": [("the ledger (CSV)", "claims.csv"), ("other cases (netCDF)", "data/cases.nc")],
+    }
+    template = Path(__file__).with_suffix(".html.j2")
+    return Section("claims", "What the paper says, judged", template, content)
+
+
+def conclusions(lines: list[Line]) -> list[Line]:
+    """Return the entries that carry a part of a numbered conclusion."""
+    return [line for line in lines if _CLAIM[line.claim].is_conclusion]
+
+
+def count(lines: list[Line]) -> int:
+    """Return how many entries are shown."""
+    return sum(line.verdict == "shown" for line in lines)
+
+
+def _sources(line: Line) -> list[tuple[str, str]]:
+    """Return words and addresses of the figures by which an entry is judged, at most three."""
+    named = [name for name in _CLAIM[line.claim].figures if name.startswith("fig")]
+    if len(named) > 3:
+        return [("Figs. 5 to 12", "#figures")]
+    return [(figure_title(name), f"#{name}") for name in named] or [("Figs. 5 to 12", "#figures")]
+
+
+def _parts(line: Line) -> list[tuple[str, str, str]]:
+    """Return of each part: the measure with its numbers, the demand, and its reason."""
+    seen = dict(each.split(": ", 1) for each in line.seen.split("; ") if ": " in each)
+    fails = line.fails.split("; ")
+    return [
+        (
+            f"{'✗ ' if part in fails else ''}{limit.measure}: {seen.get(part, 'not checkable')}",
+            limit.demand,
+            f"“{limit.shared}”" if limit.shared else limit.reason,
+        )
+        for part, limit in _CLAIM[line.claim].limits.items()
+    ]
+
+
+def _shared() -> Table:
+    """List the limits that several parts share, with their reasons."""
+    named = {each.shared: each for claim in CLAIMS for each in claim.limits.values()}
+    rows = [(name, each.demand, each.reason) for name, each in named.items() if name]
+    return Table(("limit", "must be", "since"), rows)
+
+
+def _beside(lines: list[Line], cases: xr.Dataset) -> Table:
+    """List by entry the verdict of the figures, and those of cases on the grid of random devices.
+
+    The last two rows count entries, and those of conclusions.
+    """
+    kinds = cases["kind"].values
+    chosen = [
+        row
+        for row, (kind, title) in enumerate(zip(kinds, cases["case"].values, strict=True))
+        if KINDS[kind] in ("device", "other") or str(title).startswith("first the press")
+    ]
+    verdicts = cases["verdict"].values[chosen]
+    rows: list[tuple[object, ...]] = [
+        (
+            link(line.claim, f"#claim-{line.claim}"),
+            line.says,
+            SIGNS[line.verdict],
+            *(SIGNS[VERDICTS[verdict]] for verdict in column),
+            percent(line.random),
+        )
+        for line, column in zip(lines, verdicts.T, strict=True)
+    ]
+    ends = [_CLAIM[line.claim].is_conclusion for line in lines]
+    for words, kept in (("all", np.ones(len(lines), bool)), ("of conclusions", np.array(ends))):
+        own = count([line for line, keep in zip(lines, kept, strict=True) if keep])
+        shown = (verdicts[:, kept] == SHOWN).sum(axis=1).tolist()
+        rows.append(("", f"{words} ({int(kept.sum())})", own, *shown, ""))
+    heads = [f">{cases['case'].values[row]}" for row in chosen]
+    return Table(("entry", "the paper says", ">our figures", *heads, ">random"), rows)
+
+
+def _counts(cases: xr.Dataset) -> Table:
+    """List how many entries devices show on one grid: ours, off by a little, random ones."""
+    shown = (cases["verdict"].values == SHOWN).sum(axis=1)
+    kinds = np.array([KINDS[kind] for kind in cases["kind"].values])
+    own, near = shown[kinds == "device"], shown[kinds == "near"]
+    rows = [
+        (words, each.size, each.min(), f"{np.median(each):g}", each.max())
+        for words, each in (
+            ("our device, on the same grid", own),
+            ("the same, every unknown off by 5 %", near),
+            ("random devices", cases["random"].values),
+        )
+    ]
+    return Table(("", ">devices", ">entries: least", ">median", ">most"), rows)
+
+
+def _assumptions(cases: xr.Dataset) -> Table:
+    """List the entries that turn under each assumption; the study's own first."""
+    shown = cases["verdict"].values == SHOWN
+    entries = cases["entry"].values
+    rows = [
+        (
+            title,
+            int(shown[row].sum()),
+            " ".join(entries[shown[0] & ~shown[row]]),
+            " ".join(entries[shown[row] & ~shown[0]]),
+        )
+        for row, title in enumerate(cases["case"].values)
+        if KINDS[cases["kind"].values[row]] in ("device", "assumption")
+    ]
+    return Table(("", ">entries", "no longer shown", "shown instead"), rows)
