@@ -5,6 +5,7 @@ that would stick creeps, in proportion to ε. Runs with falling ε tell the limi
 position Verlet: half a step of the pose, the velocities, half a step of the pose.
 """
 
+import cmath
 import math
 from collections.abc import Mapping
 from typing import NamedTuple
@@ -38,13 +39,15 @@ class Device(NamedTuple):
     friction: float
     contact_stiffness: float
     contact_damping: float
+    lack: float  # by which the press falls short as a run begins, N
+    press_rate: float  # at which it grows, N/s
 
 
 class Run(NamedTuple):
     """Run until alignment or to its horizon, with its largest forces."""
 
     code: int  # RUNS_ON, ALIGNED or OUT_OF_RANGE
-    time: float  # of its end, s
+    time: float  # of its end, from the first touch, s
     tip: float  # normal force at one tip, or where there is no tip at one place, N
     plane: float  # resultant of the normal forces in that plane, N
     track: Floats  # rows: time, centre of mass (3), rotation vector (3), energy, normal force
@@ -125,9 +128,12 @@ def is_in(c, r, shape):
 
 
 @kernel
-def advance(c, r, rest, shape, device, epsilon, step, steps, every, track):
-    """Move the peg from rest until it is aligned; return a ``Run`` without its track."""
-    found, v, w = np.empty((MOST, FIELDS)), np.zeros(3), np.zeros(3)
+def advance(c, r, v, rest, shape, device, epsilon, step, steps, every, track):
+    """Move the peg, which does not turn, until it is aligned; return a ``Run`` without its track.
+
+    Its times count from the first touch. ``c``, ``r`` and the velocity ``v`` are changed.
+    """
+    found, w, touch = np.empty((MOST, FIELDS)), np.zeros(3), -1.0
     lateral, axial, tilting = device.stiffness
     k = np.array((lateral, axial, lateral))
     h = np.array((device.damping[0], device.damping[1], device.damping[0]))
@@ -138,11 +144,13 @@ def advance(c, r, rest, shape, device, epsilon, step, steps, every, track):
         time, lift, turn, axis = (i + 0.5) * step, c - rest, rotation_vector(r), r[:, 1].copy()
         force, torque = -k * lift - h * v, -tilting * turn - device.damping[2] * w
         shake = device.amplitude * math.sin(device.frequency * time + device.phase)
-        force[1] -= axial * shake + device.press
+        force[1] -= axial * shake + device.press - max(device.lack - device.press_rate * time, 0.0)
         one, resultant, total, energy = press(
             c, r, v, w, shape, device, epsilon, found, force, torque
         )
         tip, plane = max(tip, one), max(plane, resultant)
+        if touch < 0.0 and total > 0.0:
+            touch = time
         more = device.spin - device.inertia
         torque -= np.cross(w, more * (w * axis).sum() * axis)
         before, turning = v.copy(), w.copy()
@@ -161,10 +169,10 @@ def advance(c, r, rest, shape, device, epsilon, step, steps, every, track):
         r = turned(r, w, 0.5 * step)
         if i % LOOK == 0:
             if is_in(c, r, shape):
-                return ALIGNED, (i + 1) * step, tip, plane
+                return ALIGNED, (i + 1) * step - max(touch, 0.0), tip, plane
             if r[1, 1] < 0.3:
-                return OUT_OF_RANGE, (i + 1) * step, tip, plane
-    return RUNS_ON, steps * step, tip, plane
+                return OUT_OF_RANGE, (i + 1) * step - max(touch, 0.0), tip, plane
+    return RUNS_ON, steps * step - max(touch, 0.0), tip, plane
 
 
 def device_of(q: Mapping[str, float], phase: float = 0.0) -> tuple[Device, Shape]:
@@ -176,7 +184,7 @@ def device_of(q: Mapping[str, float], phase: float = 0.0) -> tuple[Device, Shape
         (q["lateral_stiffness"], q["axial_stiffness"], q["tilt_stiffness"]),
         (q["lateral_damping"], q["axial_damping"], q["tilt_damping"]),
         q["press_force"], q["amplitude"], 2.0 * math.pi * q["frequency"], phase, q["friction"],
-        q["contact_stiffness"], q["contact_damping"],
+        q["contact_stiffness"], q["contact_damping"], 0.0, 0.0,
     )  # fmt: skip
     return device, (a, q["half_height"], a * (1.0 + q["clearance"]))
 
@@ -209,7 +217,8 @@ def simulate(
     """Return the run of a device from rest, touching the base and tilted towards the hole.
 
     ``epsilon`` in m/s smooths friction; ``finer`` divides the step; ``aside`` moves the start and
-    the rest of the springs out of the plane of symmetry, in m.
+    the rest of the springs out of the plane of symmetry, in m. With an ``approach_speed`` the peg
+    is lowered while it vibrates; ``tilt`` and ``phase`` are then those of the descent.
     """
     device, shape = device_of(quantities, phase)
     step = step_of(device, shape, epsilon) / finer
@@ -218,7 +227,26 @@ def simulate(
     track = np.full((math.ceil(steps / every), 9), np.nan)
     x, r = quantities["misalignment"], turned(np.eye(3), np.array((0.0, 0.0, 1.0)), tilt)
     start, rest = touching(x, aside[0], r, shape), np.array((x, shape[1], aside[1]))
+    v = np.zeros(3)
+    if "approach_speed" in quantities:
+        device, (start[1], v[1]) = lowered(device, quantities["approach_speed"], start[1], rest[1])
     code, time, tip, plane = advance(
-        start, r, rest, shape, device, epsilon, step, steps, every, track
+        start, r, v, rest, shape, device, epsilon, step, steps, every, track
     )
     return Run(code, time, tip, plane, track[np.isfinite(track[:, 0])])
+
+
+def lowered(device: Device, speed: float, height: float, rest: float) -> tuple[Device, Floats]:
+    """Return a device as it is lowered while it vibrates, and height and speed of the peg.
+
+    It hangs in its steady descent so high over ``height``, at which it touches, that it swings
+    clear; ``rest`` is the height at which the axial spring is relaxed.
+    """
+    k, h, nu = device.stiffness[1], device.damping[1], device.frequency
+    response = -k * device.amplitude / (k - device.mass * nu * nu + 1j * h * nu)
+    swing = response * cmath.exp(1j * device.phase)
+    above = height + abs(response) + 1e-3 * device.amplitude
+    hanging = rest - device.press / k + h * speed / k
+    lack = k * max(above - hanging, 0.0)
+    begun = np.array((hanging + lack / k + swing.imag, -speed + (1j * nu * swing).imag))
+    return device._replace(lack=lack, press_rate=k * speed), begun

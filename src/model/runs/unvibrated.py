@@ -2,8 +2,8 @@
 
 A run is vibratory alignment if its control comes to rest on the edge A1 (paper, sect. 1: the part
 "gets tilted and takes stable equilibrium position"; then vibration moves it). The control is
-pressed as suddenly as the run. A part that falls in only because it overshoots would rest under a
-slow press: ``slow_tilt`` gives the tilt of that rest.
+pressed as suddenly as the run, or lowered as fast. A part that falls in only because it overshoots
+would rest under a slow press: ``slow_tilt`` gives the tilt of that rest.
 """
 
 from dataclasses import replace
@@ -17,6 +17,7 @@ from model.compile.kernels import kernel
 from model.engine.record import constants_in
 from model.engine.results import RunResult
 from model.events.outcomes import UNVIBRATED_TEXT, Outcome, Unvibrated
+from model.physics.approach import Start
 from model.physics.parameters import Batch, Parameters
 from model.physics.rest import rest_under_press
 from model.physics.variants import Variants
@@ -45,16 +46,15 @@ def unvibrated_sets(batch: Batch) -> Batch:
 
 
 def unvibrated(batch: Batch, settings: Settings, cores: int = 1) -> UnvibratedEnds:
-    """Run the sets of ``batch`` without excitation, from the simultaneous start.
+    """Run the sets of ``batch`` without excitation: pressed at once, or as they are lowered.
 
     Sets that differ only in their excitation are run once. ``settings`` are those of the vibrated
     runs; within their horizon the part must come to rest.
     """
-    controls = unvibrated_sets(batch).constants(settings.readings)
+    start: Start = "still" if settings.start in ("running", "still") else "simultaneous"
+    settings = replace(settings, start=start, insertion_depth=None, alignment_only=True)
+    controls = settings.rows(unvibrated_sets(batch))
     rows, which = np.unique(controls, axis=0, return_inverse=True)
-    settings = replace(
-        settings, start="simultaneous", insertion_depth=None, alignment_only=True
-    )  # fmt: skip
     run = engine_for(settings, cores)
     found = RunResult(*run(rows, np.full(len(rows), settings.tolerance)).T)
     rests = (found.outcome == Outcome.SETTLED) & (found.end_on_edge == 1.0) & (found.end_tilt > 0.0)

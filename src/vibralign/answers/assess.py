@@ -22,7 +22,16 @@ from model.runs.settings import Settings
 from model.runs.simulate import Trajectory, simulate_once
 from model.sweeps.settings import Ensemble
 from model.sweeps.starts import Starts
-from vibralign.answers.cases import OF_BASE, cases_of, on_bases, parameters_in, stated_case
+from vibralign.answers.approaches import ApproachVerdict, with_each_approach, worst_of
+from vibralign.answers.cases import (
+    OF_BASE,
+    approach_of,
+    cases_of,
+    on_bases,
+    parameters_in,
+    stated_case,
+    without_approach,
+)
 from vibralign.answers.causes import cause_of, first_change
 from vibralign.answers.leeways import (
     ADDED,
@@ -42,6 +51,7 @@ from vibralign.answers.reliability import (
     from_every_start,
 )
 from vibralign.device import StatedDevice
+from vibralign.device.approach import Approach
 from vibralign.device.batches import Values
 from vibralign.device.mouth import GRIPPER_TILT
 from vibralign.device.runs import AnyDevice, device_of, of_device
@@ -139,6 +149,9 @@ class Assessment(Value):
         tilts: verdicts on the gripper's tilts that are tried, its own first; empty if only one is.
         tilt_range: tilts of the gripper at which it succeeds in every other respect; None if only
             one tilt is tried, or it fails at that.
+        approaches: verdicts on the approaches that are tried; empty if only one is. The leeways,
+            the nearest values and the change are those with ``worst``.
+        failing_approach: approach of the failing case, None if it has none of its own.
     """
 
     starts: int
@@ -160,6 +173,13 @@ class Assessment(Value):
     if_square: Successes | None = None
     tilts: tuple[TiltVerdict, ...] = ()
     tilt_range: Leeway | None = None
+    approaches: tuple[ApproachVerdict, ...] = ()
+    failing_approach: Approach | None = None
+
+    @property
+    def worst(self) -> Approach | None:
+        """Approach with which most cases fail, of these the slowest; None if only one is tried."""
+        return worst_of(self.approaches)
 
     def __repr__(self) -> str:
         words = "reliable" if self.reliable else "not reliable"
@@ -241,13 +261,19 @@ def assess(
     found, units = from_every_start(device, own, tried, settings, cores)
     on_all = {name: column[0] for name, column in found.items()}
     results = {name: column[: len(cases)] for name, column in on_all.items()}  # tried first
-    if isinstance(device, StatedDevice):
-        settings = device.run_settings(settings, units[0])
     goes_in, tau, hops = results["goes_in"], results["tau_align"], results["separations"]
+    approaches = with_each_approach(tried, on_all)
+    whole, worst = device, worst_of(approaches)
+    every, of_worst = cases, [approach_of(case) in (None, worst) for case in cases]
     slowest_first = np.lexsort((-np.nan_to_num(tau + results["tau_inserted"]), goes_in))
-    hardest = [cases[i] for i in slowest_first]  # fail first where the device is changed
+    hardest = [without_approach(cases[i]) for i in slowest_first if of_worst[i]]  # fail first
     hopping = [i for i in np.argsort(-hops, kind="stable")[:_HOPPING] if hops[i] > 0]
     runs = [_run_in(device, cases[i], settings) for i in hopping]
+
+    if isinstance(device, StatedDevice):
+        device = device.lowered(worst)
+        settings = device.run_settings(settings, units[0])
+    cases = [without_approach(case) for case, own in zip(cases, of_worst, strict=True) if own]
 
     def is_reliable(values: Values) -> NDArray[np.bool_]:
         return are_reliable(device, values, hardest, settings, cores)
@@ -271,7 +297,8 @@ def assess(
         forces={place: float(np.fmax.reduce(results[name])) for place, name in FORCES.items()},
         inserted=_ends(inserted),
         if_square=_if_square(device, ensemble, settings, cores),
-        tilts=_at_each_tilt(cases, goes_in, tau),
+        tilts=_at_each_tilt(every, goes_in, tau),
+        approaches=approaches,
     )
     held = _held(device, cases)
     if vary and result.tilts and result.tilts[0].reliable:
@@ -281,15 +308,24 @@ def assess(
         quicker = roughly if settings.tolerance < STATISTICAL_TOLERANCE else None
         ranges = leeways(device, is_reliable, is_late, held, quicker) if vary else ()
         return replace(result, leeways=ranges)
-    failing = cases[int(np.argmin(goes_in))]
-    failed = _run_in(device, failing, settings)
+    failing = every[int(np.argmin(goes_in))]
+    failed = _run_in(whole, failing, settings)
     cause = cause_of(failed, settings.shape or "square")
-    result = replace(result, failing_start=stated_case(device, failing), cause=cause.words)
+    result = replace(
+        result,
+        failing_start=stated_case(whole, failing),
+        failing_approach=approach_of(failing),
+        cause=cause.words,
+    )
     if not vary:
         return result
     near = nearest(device, is_reliable, held)
     change = a_step_inside(device, is_reliable, first_change(cause, near))
     change = change or together(device, is_reliable, _PAIRED)
+    if change and worst is not None:  # of the other approaches, too
+        of_change = {name: np.array([value]) for name, value in change.items()}
+        holds = are_reliable(whole, of_change, every, settings, cores)[0]
+        change = change if holds else {}
     return replace(result, nearest=near, change=change)
 
 
@@ -297,7 +333,11 @@ def _run_in(
     device: Parameters | StatedDevice, case: Mapping[str, float], settings: Settings
 ) -> Trajectory:
     """Return the run of a device in a case, without an estimate of its error."""
-    run = simulate_once(parameters_in(device, case), settings)
+    parameters = parameters_in(device, case)
+    if isinstance(device, StatedDevice):
+        own = device.lowered(approach_of(case))
+        settings = own.run_settings(settings, own.units)
+    run = simulate_once(parameters, settings)
     return of_device(run, device) if isinstance(device, StatedDevice) else run
 
 

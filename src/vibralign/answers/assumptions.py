@@ -15,6 +15,7 @@ from vibralign.answers.cases import tilts_of
 from vibralign.answers.reliability import STATISTICAL_TOLERANCE
 from vibralign.answers.si import in_words, named_words, si_words, written_words
 from vibralign.device import StatedDevice
+from vibralign.device.approach import SPEED
 from vibralign.device.base import USUAL_STIFFNESS
 from vibralign.device.mouth import GRIPPER_TILT
 
@@ -22,6 +23,9 @@ _AMOUNTS = re.compile(r"(-?\d[\d.]*(?:e[-+]?\d+)?(?: (?:[kMG]?N(?: s)?/m|m?m|m?s
 _STARTS = {
     "simultaneous": "press and vibration set in together, on a part that touches without load",
     "pressed": "the part rests under the press, then the vibration sets in",
+    "running": "it is lowered while it vibrates; times count from the first touch",
+    "still": "it is lowered, pressed and comes to rest, then the vibration sets in; times count "
+    "from then on",
 }
 
 
@@ -45,7 +49,7 @@ def assumptions(
     units = None if stated is None else stated.units
     words = {
         "shape": _shape(settings, stated),
-        "start": _STARTS[settings.start or "simultaneous"],
+        "start": _start(settings, stated, ensemble),
         "touch-down": _touch_down(parameters, stated, ensemble),
         "goal": _goal(parameters, settings, stated),
         "base": _base(parameters, stated),
@@ -122,6 +126,19 @@ def _shape(settings: Settings, stated: StatedDevice | None) -> str:
         unstated = stated is not None and stated.stated_shape is None
         return "round part in a round hole" + (" (not stated: assumed)" if unstated else "")
     return "square: a plane part beside a slot, as in the paper"
+
+
+def _start(settings: Settings, stated: StatedDevice | None, ensemble: Ensemble | None) -> str:
+    words = _STARTS[settings.start or "simultaneous"]
+    if stated is None or stated.sudden:
+        return words
+    tried, known = stated.approaches(), {SPEED: SPEED in stated.quantities}
+    missing = [name for name, is_known in (known | {"vibrator": bool(stated.vibrator)}).items()
+               if not is_known]  # fmt: skip
+    source = f"; not stated: {' and '.join(missing)}" if missing else ""
+    if ensemble is not None and len(tried) > 1:
+        return f"each of {'; '.join(map(str, tried))}{source}"
+    return f"{tried[0]}: {words}{source}"
 
 
 def _touch_down(

@@ -1,4 +1,4 @@
-"""Cases that a device meets: starts, and bases where none is stated.
+"""Cases that a device meets: starts, approaches and bases where none is stated.
 
 Where a device states no base, a *base* is chance as phase and tilt at touch-down are. It has one of
 ``LEVELS`` stiffnesses, from ``SOFTEST`` times the axial stiffness to that of steel on steel under
@@ -18,6 +18,7 @@ from model.physics.parameters import Batch, Parameters, Shape
 from model.physics.units import Units
 from model.sweeps.settings import Ensemble
 from model.sweeps.starts import Starts, starts_of, tilts_and_phases
+from vibralign.device.approach import SPEED, Approach
 from vibralign.device.base import (
     MATERIALS,
     damping_ratio_of,
@@ -35,6 +36,8 @@ USUAL_TILT = math.radians(0.1)  # of a gripper, either way, tried where none is 
 OF_BASE = ("level", "restitution")
 """Names of a case besides those of its start: the base's stiffness, 0 to 1 on its logarithmic
 range, and its restitution. NaN for a stiffness or a damping that is the device's own."""
+OF_APPROACH = (SPEED, "vibrates")
+"""Names of a case that tell its approach: speed in m/s, and 1.0 or 0.0 for the vibrator."""
 
 _EVERY = 4  # of the starts, tried on each base
 _STEEL = MATERIALS["steel"]
@@ -60,6 +63,37 @@ def _starts_of(device: StatedDevice, ensemble: Ensemble, *, tilts: bool) -> Star
     return [{"phase": each, GRIPPER_TILT: tilt} for tilt in tried for each in phases]
 
 
+def _approaching(approach: Approach, starts: Starts) -> Starts:
+    """Return the starts with an approach."""
+    speed = {} if approach.speed is None else {SPEED: approach.speed}
+    return [{**each, **speed, "vibrates": float(approach.vibrator == "running")} for each in starts]
+
+
+def without_approach(case: Mapping[str, float]) -> dict[str, float]:
+    """Return a case of a device whose approach is stated."""
+    return {name: value for name, value in case.items() if name not in OF_APPROACH}
+
+
+def by_approach(
+    device: StatedDevice, cases: Starts
+) -> list[tuple[StatedDevice, NDArray[np.int64], Starts]]:
+    """Return (device, places, cases) for each approach of the cases, which are then without."""
+    keys = [tuple(case.get(name) for name in OF_APPROACH) for case in cases]
+    found: list[tuple[StatedDevice, NDArray[np.int64], Starts]] = []
+    for key in dict.fromkeys(keys):
+        places = np.array([n for n, each in enumerate(keys) if each == key])
+        lowered = device.lowered(approach_of(cases[int(places[0])]))
+        found.append((lowered, places, [without_approach(cases[i]) for i in places]))
+    return found
+
+
+def approach_of(case: Mapping[str, float]) -> Approach | None:
+    """Return the approach of a case; None if it has none of its own."""
+    if "vibrates" not in case:
+        return None
+    return Approach("running" if case["vibrates"] else "still", case.get(SPEED))
+
+
 def cases_of(
     device: Parameters | StatedDevice,
     ensemble: Ensemble,
@@ -74,6 +108,9 @@ def cases_of(
     if isinstance(device, Parameters):
         return starts_of(device, ensemble)
     starts = _starts_of(device, ensemble, tilts=GRIPPER_TILT not in varied)
+    approaches = device.approaches(varied)
+    if len(approaches) > 1:
+        starts = [case for each in approaches for case in _approaching(each, starts)]
     if device.base_is_stated and not bases:
         return starts
     impacts: Sequence[float] = RESTITUTIONS
@@ -134,8 +171,14 @@ def at_tilts(devices: Batch, cases: Starts) -> dict[str, NDArray[np.float64]]:
 
 
 def stated_case(device: Parameters | StatedDevice, case: Mapping[str, float]) -> dict[str, float]:
-    """Return what states a case of a device, in SI units or dimensionless as the device is."""
-    if isinstance(device, Parameters) or OF_BASE[0] not in case:
+    """Return what states a case of a device, in SI units or dimensionless as the device is.
+
+    All but its approach.
+    """
+    if isinstance(device, Parameters):
+        return dict(case)
+    device, case = device.lowered(approach_of(case)), without_approach(case)
+    if OF_BASE[0] not in case:
         return dict(case)
     stated = {name: value for name, value in case.items() if name not in OF_BASE}
     if not math.isnan(case["level"]):
@@ -152,4 +195,4 @@ def parameters_in(device: Parameters | StatedDevice, case: Mapping[str, float]) 
     stated = stated_case(device, case)
     if isinstance(device, Parameters):
         return device.replace(**stated)
-    return device.at(stated).parameters
+    return device.lowered(approach_of(case)).at(stated).parameters

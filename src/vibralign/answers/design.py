@@ -23,6 +23,7 @@ from model.events.insertion import INSERTION
 from model.physics.tables import Value
 from model.runs.settings import Settings
 from model.sweeps.settings import Ensemble
+from vibralign.answers.approaches import in_worst_approach
 from vibralign.answers.cases import cases_of
 from vibralign.answers.design_trials import MEASURES, Check, Row, Trials
 from vibralign.answers.reliability import Floats
@@ -225,13 +226,17 @@ def trials_of(
     seed: int = 0,
     devices: float = DEVICES,
 ) -> Trials:
-    """Return the trials of a device's settings; arguments and errors as for ``design``."""
+    """Return the trials of a device's settings; arguments and errors as for ``design``.
+
+    A device that states no approach is tried with the worst at its own values.
+    """
     stated = device_of(device)
     if not isinstance(stated, StatedDevice):
         raise TypeError("a design needs a device of a file, with free quantities, got Parameters")
     stated = with_tolerances(stated)
-    cases = cases_of(stated, ensemble or Ensemble(), varied=(*stated.free, *stated.tolerances))
-    settings = settings or Settings(scene=INSERTION)
+    settings, ensemble = settings or Settings(scene=INSERTION), ensemble or Ensemble()
+    stated = in_worst_approach(stated, settings, ensemble, cores)
+    cases = cases_of(stated, ensemble, varied=(*stated.free, *stated.tolerances))
     return Trials(stated, cases, settings, cores, seed, check_devices(devices))
 
 

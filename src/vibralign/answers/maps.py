@@ -15,7 +15,9 @@ from model.physics.quantities import ANGLE, PLAIN
 from model.sweeps.axes import Axis, check_plane
 from model.sweeps.settings import Ensemble, RunSettings
 from model.sweeps.sweep import Columns, Group, Sweep
+from vibralign.answers.approaches import in_worst_approach
 from vibralign.answers.cases import cases_of
+from vibralign.device.approach import SPEED
 from vibralign.device.batches import by_settings, devices_of, rows_of
 from vibralign.device.mouth import GRIPPER_TILT, judged
 from vibralign.device.stated import StatedDevice, check_quantity, quantity_of
@@ -114,17 +116,29 @@ def map_of(
     settings: RunSettings,
     axes: tuple[Axis, Axis],
     ensemble: Ensemble,
+    cores: int = 1,
 ) -> Sweep:
     """Return a map of a device over two axes, x and y; in SI units for a device of a file.
 
     The starts of the ensemble are tried at every node of a coarse map, at most as far apart as in
-    the ensemble. A map over the phase or the initial tilt tries none.
+    the ensemble. A map over the phase or the initial tilt tries none. A device that states no
+    approach is mapped with the worst at its own values; see ``in_worst_approach``.
 
     Raises:
         ValueError: the axes have the same parameter, or break a parameter's rule.
     """
     x, y = axes
-    stated = device if isinstance(device, StatedDevice) else None
+    stated = None
+    if isinstance(device, StatedDevice):
+        varied = {x.parameter, y.parameter}
+        device = stated = (
+            device.lowered(device.approaches(varied)[0])
+            if SPEED in varied and not device.sudden
+            else in_worst_approach(device, settings.settings, ensemble, cores)
+        )
+        settings = settings.model_copy(
+            update={"start": stated.run_settings(settings.settings, stated.units).start}
+        )
     parameters = device.parameters if isinstance(device, StatedDevice) else device
     check_plane(stated.at if stated else lambda values: parameters.replace(**values), x, y)
     for each in corners_of({axis.parameter: [*axis.values] for axis in axes}):

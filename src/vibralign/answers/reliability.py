@@ -23,7 +23,7 @@ from model.runs.settings import Settings
 from model.runs.unvibrated import unvibrated
 from model.sweeps.settings import Ensemble
 from model.sweeps.starts import Starts, every_start
-from vibralign.answers.cases import at_tilts, cases_of, on_bases
+from vibralign.answers.cases import at_tilts, by_approach, cases_of, on_bases
 from vibralign.device import StatedDevice
 from vibralign.device.amounts import read_amount
 from vibralign.device.batches import Values, by_settings, devices_of, rows_of
@@ -102,6 +102,8 @@ def from_every_start(
     cores: int = 1,
 ) -> tuple[dict[str, NDArray[Any]], list[Units]]:
     """Return ``every_start`` of devices with these values, and the units of those in SI units."""
+    if isinstance(device, StatedDevice) and "vibrates" in starts[0]:
+        return _from_every_approach(device, values, starts, settings, cores)
     devices, units = devices_of(device, values)
     if isinstance(device, Parameters):
         return every_start(devices, starts, settings, cores), units
@@ -117,6 +119,19 @@ def from_every_start(
     parameters = {name: column[:, None] for name, column in devices.values.items()} | of_cases
     results = judged(results, parameters, chamfered=device.is_chamfered)
     return {**results, "goes_in": np.isin(results["outcome"], SUCCESSES)}, units
+
+
+def _from_every_approach(
+    device: StatedDevice, values: Values, starts: Starts, settings: Settings, cores: int
+) -> tuple[dict[str, NDArray[Any]], list[Units]]:
+    """Return ``from_every_start`` of cases that have approaches."""
+    results, units = dict[str, NDArray[Any]](), list[Units]()
+    for lowered, places, own in by_approach(device, starts):
+        found, units = from_every_start(lowered, values, own, settings, cores)
+        for name, column in found.items():
+            shape = len(column), len(starts)
+            results.setdefault(name, np.empty(shape, column.dtype))[:, places] = column
+    return results, units
 
 
 def run_devices(

@@ -20,6 +20,7 @@ from model.physics.tables import Value
 from model.runs.settings import Settings
 from model.sweeps.settings import Ensemble
 from model.sweeps.starts import Starts
+from vibralign.answers.approaches import in_worst_approach
 from vibralign.answers.cases import cases_of, stated_case
 from vibralign.answers.reliability import DeviceResults, Floats, need_vibration, run_devices
 from vibralign.device import StatedDevice, Tolerance
@@ -176,8 +177,10 @@ def yield_of(
     if not isinstance(device, StatedDevice):
         raise TypeError("a yield needs a device of a file, with tolerances, got Parameters")
     stated = device
-    starts = starts or cases_of(stated, Ensemble(), varied=stated.tolerances)
     settings = settings or Settings(scene=INSERTION)
+    if starts is None:
+        stated = in_worst_approach(stated, settings, Ensemble(), cores)
+        starts = cases_of(stated, Ensemble(), varied=stated.tolerances)
     if not stated.tolerances:
         raise ValueError(f"{stated.source}: no quantity has a tolerance, such as 10 N ± 5 %")
     check_devices(devices)

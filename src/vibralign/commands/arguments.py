@@ -22,6 +22,7 @@ from model.runs.settings import SCENES, Settings
 from vibralign.commands.tables import in_columns
 from vibralign.device import StatedDevice, load_device
 from vibralign.device.amounts import read_positive
+from vibralign.device.approach import read_start
 from vibralign.device.mouth import MOUTH
 from vibralign.device.paper import baseline
 from vibralign.device.spelling import plain
@@ -51,8 +52,10 @@ def add_model_options(
     words = f"variant of one equation, consistent or printed; may be repeated: {names}"
     metavar = "NAME=READING"
     add("--reading", action="append", default=[], metavar=metavar, dest="switches", help=words)
-    words = "press and vibration set in together, or the part rests under a slow press before it "
-    words += "vibrates (default: as in the device's file, else simultaneous)"
+    words = "start without --device: press and vibration set in together; the part rests under a "
+    words += "slow press before it vibrates; or it is lowered, vibrating (running) or not (still), "
+    words += "at its approach_speed (default: simultaneous). A device states approach_speed and "
+    words += "vibrator, or --set does"
     add("--start", choices=get_args(Start), help=words)
     words = (
         "round part in a round hole, or a square one beside a slot as in the paper (default: as "
@@ -142,6 +145,8 @@ def read_inputs(arguments: argparse.Namespace) -> Inputs:
 def _stated_device(arguments: argparse.Namespace) -> StatedDevice | None:
     if arguments.device is None:
         return None
+    if arguments.start is not None:
+        read_start({"start": arguments.start})
     stated = load_device(arguments.device, pairs(arguments.changes, "--set"))
     for name, quantity in (("horizon", TIME), ("insertion_depth", LENGTH)):
         if (text := getattr(arguments, name)) is not None:
@@ -191,7 +196,7 @@ def _settings(arguments: argparse.Namespace, stated: StatedDevice | None) -> Set
         readings=Variants(**switches),
         scene=SCENES[arguments.scene or arguments.usual_scene],
         shape=arguments.shape,
-        start=arguments.start or (stated and stated.start) or "simultaneous",
+        start=None if stated else arguments.start or "simultaneous",
         insertion_depth=depth,
         horizon=horizon,
         tolerance=tolerance,

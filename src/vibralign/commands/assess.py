@@ -36,6 +36,7 @@ from vibralign.device.plausibility import DISTRUSTED, NoNeedError
 if TYPE_CHECKING:
     from model.runs.settings import Settings
     from model.sweeps.starts import Starts
+    from vibralign.answers.approaches import ApproachVerdict
     from vibralign.answers.assess import Assessment, BaseVerdict, TiltVerdict
     from vibralign.answers.design_trials import Check
     from vibralign.answers.leeways import Leeway, Nearest
@@ -100,6 +101,7 @@ def _assess(arguments: argparse.Namespace) -> int:
         result = assess(stated or device, settings, ensemble, cores, bases=arguments.bases)
         if stated is not None and stated.tolerances:
             line.begin("devices within the tolerances")
+            stated = stated.lowered(result.worst)
             cases = cases_of(stated, ensemble, varied=stated.tolerances)
             drawn, nearest = _drawn(result, stated, cases, settings, cores, devices)
     limits = limit_results(stated, result, drawn, settings) if stated is not None else ()
@@ -170,6 +172,12 @@ def headline(
     words = f"{'' if result.reliable else 'not '}reliable at the stated values"
     if result.depends_on_base:
         words = "depends on the base: measure it"
+    good = [str(each.approach) for each in result.approaches if each.reliable]
+    if result.approaches and not result.reliable:
+        which = f"only with the approach {'; '.join(good)}" if good else "with no approach tried"
+        words = f"reliable {which}" + (", and it depends on the base" * result.depends_on_base)
+    elif result.approaches:
+        words = f"{words}, whatever the approach"
     exceeds, drawn_exceed = (exceeded_words(limits, only_drawn=only) for only in (False, True))
     if exceeds:
         words += f", {'but' if result.reliable else 'and'} {exceeds}"
@@ -258,14 +266,27 @@ def _verdict(
         head = f"contact stiffness, impact, starts from which it {verb}, alignment time:"
         lines += [head, *in_columns([_base_row(base, units) for base in result.bases])]
         lines.append(_line("stiff bases", _stiff_bases(result, units)))
+    if result.approaches:
+        lines.append(f"approach, cases in which it {verb}, alignment time, largest force by base:")
+        lines += in_columns([_approach_row(each, units) for each in result.approaches])
     if result.tilts:
         lines.append(f"gripper's tilt, starts from which it {verb}, alignment time:")
         lines += in_columns([_tilt_row(each, units) for each in result.tilts])
     lines += [si.natural_words(device, units), unvibrated_words(device, settings)]
     if result.failing_start is not None:
         start = ", ".join(f"{name} = {value:.4g}" for name, value in result.failing_start.items())
+        if result.failing_approach is not None:
+            start = f"{result.failing_approach}: {start}"
         lines += [_line("for example", start), _line("cause", result.cause)]
     return lines
+
+
+def _approach_row(at: "ApproachVerdict", units: Units | None) -> tuple[str, ...]:
+    times = si.range_words(at.tau_best, at.tau_worst, TIME, units) if at.aligned else "-"
+    if at.by_press:
+        times += f" ({at.by_press} by the press alone)"
+    force = si.range_words(at.force_least, at.force_most, FORCE, units)
+    return str(at.approach), f"{at.aligned} of {at.starts}", times, force
 
 
 def _tilt_row(at: "TiltVerdict", units: Units | None) -> tuple[str, ...]:
@@ -303,6 +324,8 @@ def _advice(result: "Assessment", value: Callable[[str, float], str]) -> list[st
     if result.failing_start is None:
         return []
     lines = []
+    if result.worst is not None:
+        lines.append(f"with the approach on which most cases fail ({result.worst}):")
     if result.change:
         words = " and ".join(f"{name} to {value(name, v)}" for name, v in result.change.items())
         borders = [{each.parameter: v} for each in result.nearest for v in (each.below, each.above)]
@@ -317,6 +340,8 @@ def _advice(result: "Assessment", value: Callable[[str, float], str]) -> list[st
 
 def _varied(result: "Assessment", value: Callable[[str, float], str]) -> list[str]:
     ranges, lines = list(result.leeways), []
+    if result.worst is not None and (result.leeways or result.tilt_range):
+        lines.append(f"with the slowest approach ({result.worst}):")
     if result.tilt_range is not None:
         lines.append("goes in while the gripper holds it with one tilt (ends known to 0.005°),")
         lines += in_columns([_leeway_row(result.tilt_range, value)])
@@ -375,14 +400,24 @@ def _record(result: "Assessment", units: Units | None) -> dict[str, Any]:
         "rigid_from": result.rigid_from,
     }
     record["tilts"] = [each._asdict() for each in result.tilts]
+    record["approaches"] = [
+        {**each._asdict(), "approach": each.approach._asdict()} for each in result.approaches
+    ]
+    for name in ("failing_approach", "worst"):
+        approach = getattr(result, name)
+        record[name] = approach and approach._asdict()
     time, stiffness = si.scale(units, TIME), si.scale(units, STIFFNESS)
-    for each in (record, *record["bases"], *record["tilts"]):
+    for each in (record, *record["bases"], *record["tilts"], *record["approaches"]):
         for name in ("tau_best", "tau_worst"):
             each[name] = time * each[name] if each["aligned"] else None
     for each in record["bases"]:
         each["contact_stiffness"] *= stiffness
     force = si.scale(units, FORCE)
     record["contact_force_max"] *= force
+    for each in record["approaches"]:
+        each["force_least"], each["force_most"] = (
+            force * each[name] for name in ("force_least", "force_most")
+        )
     record["forces"] = {name: force * each for name, each in record["forces"].items()}
     record["inserted"] = [time * each for each in record["inserted"]]
     record["impact_speed"] = record["impact_speed"] * si.scale(units, SPEED) or None  # never lands

@@ -170,6 +170,9 @@ def _assessed(design: "Design", trials: "Trials", given: Inputs) -> "Assessment"
     from vibralign.answers.assess import assess  # noqa: PLC0415  (as in _design)
 
     stated = trials.stated.changed(**design.setting)
+    if given.stated is not None:  # all approaches, where none is stated
+        stated = given.stated.changed(**design.setting)
+        stated = replace(stated, tolerances=trials.stated.tolerances)
     settings = stated.run_settings(given.settings, stated.units)
     helpless = not design.tried.share[design.best] > 0.0  # as stated it does not go in
     return assess(stated, settings, Ensemble(), trials.cores, vary=helpless)

@@ -109,9 +109,9 @@ def _command(failing: "FailingDevice", stated: "StatedDevice", settings: "Settin
         name: si.written_words(name, value, stated, DIGITS) if name in stated.written else value
         for name, value in failing.quantities.items()
     }
-    changes = {**stated.changes, **written, **failing.start}
+    changes = {**stated.changes, **written, **stated.stated_start, **failing.start}
     words = [f"vibralign simulate --device {shlex.quote(str(stated.source))}"]
-    words.append(f"--scene {settings.scene.name} --start {settings.start}")
+    words.append(f"--scene {settings.scene.name}")
     if stated.horizon is not None:
         words.append(f"--horizon {stated.horizon!r}")
     if stated.insertion_depth is not None:

@@ -30,6 +30,7 @@ def devices_of(stated: Parameters | StatedDevice, values: Values) -> tuple[Batch
     """
     if isinstance(stated, Parameters):
         return Batch.of(stated, **values), []
+    stated = stated.lowered()  # its speed is one in SI units
     size = len(next(iter(values.values()))) if values else 1
     si = _resolved(stated, values, size)
     columns = (np.broadcast_to(si[name], size).tolist() for name in UNITS)

@@ -6,11 +6,11 @@ from typing import Any, get_args
 
 import yaml
 
-from model.physics.approach import Start
 from model.physics.parameters import Shape, check_name
 from model.physics.units import device
 from model.sweeps import files
 from vibralign.device.amounts import read_amount, read_range
+from vibralign.device.approach import SPEED, SUDDEN, read_start
 from vibralign.device.base import BASE
 from vibralign.device.instead import replaced_by, with_parameters
 from vibralign.device.limits import read_limits
@@ -34,10 +34,11 @@ def load_device(path: Path | str, changes: Mapping[str, object] | None = None) -
         NoNeedError: it is a valid device, which needs no alignment.
     """
     path, changes = Path(path), {} if changes is None else changes
-    replaced = replaced_by(changes)
+    replaced = replaced_by(changes) | ({SPEED} if changes.get(SPEED) == SUDDEN else set())
     mapping = {name: value for name, value in _mapping(path).items() if name not in replaced}
     try:
         at, now = _one_frequency(mapping), {**mapping, **changes}
+        vibrator, sudden = read_start(now)
         amounts = amounts_of(mapping, at, _diameter(now))
         others = amounts_of(changes, _one_frequency(now), _diameter(now))
         parts, changed = by_quantity(amounts), by_quantity(others)
@@ -49,13 +50,13 @@ def load_device(path: Path | str, changes: Mapping[str, object] | None = None) -
             free={n: read_range(n, v, unit_of(n), at) for n, v in _section("free", mapping)},
             limits=read_limits(_section("limits", mapping)),
             changes=dict(changes),
-            start=mapping.get("start"),
+            vibrator=vibrator,
+            sudden=sudden,
             stated_shape=mapping.get("shape"),
             notes=kept_amplitude(parts["quantities"], parts["written"], changes),
         )
-        for name, kind in (("start", Start), ("shape", Shape)):
-            if mapping.get(name) is not None:
-                check_name(str(mapping[name]), get_args(kind), name)
+        if mapping.get("shape") is not None:
+            check_name(str(mapping["shape"]), get_args(Shape), "shape")
         # Refuses unknown and missing quantities, before anything is computed from them.
         known = {n: v for n, v in stated.quantities.items() if n not in BASE}
         device(as_parameters(with_parameters(known)))

@@ -3,14 +3,13 @@
 import difflib
 import math
 import warnings
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 from model.events.scenes import ALIGNMENT
-from model.physics.approach import Start
 from model.physics.fields import Bound
 from model.physics.parameters import FIELDS, Parameters, Shape
 from model.physics.quantities import Quantity
@@ -18,6 +17,15 @@ from model.physics.tables import Value, vars_of
 from model.physics.units import UNITS, Device, Units, device
 from model.runs.settings import Settings
 from vibralign.device.amounts import Amount, Tolerance, read_amount
+from vibralign.device.approach import (
+    SPEED,
+    SUDDEN,
+    USUAL,
+    Approach,
+    Vibrator,
+    approaches_to_try,
+    read_start,
+)
 from vibralign.device.base import BASE, pair_of, with_base
 from vibralign.device.fits import play_of
 from vibralign.device.instead import INSTEAD, replaced_by, with_parameters
@@ -40,7 +48,7 @@ from vibralign.doubts import DoubtWarning
 _OWN = {**{n: each for n, each in FIELDS.items() if n not in REPLACED}, **UNITS, **MOUTH}
 QUANTITIES = (*UNITS, *(n for n in _OWN if n not in UNITS), *INSTEAD, *BASE)
 FOLLOWED = "a part with chamfers is followed until its face has reached them, no further"
-BESIDES = ("materials", "fit", "free", "limits", "start", "shape")
+BESIDES = ("materials", "fit", "free", "limits", "vibrator", "shape")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -56,7 +64,8 @@ class StatedDevice(Value):
         limits: largest admissible values of the names in ``LIMITS``; for "vibration" the share of
             devices that must not align without it, 1 or 0.
         changes: quantities that replace the file's, as they were given.
-        start: start of its runs (``Settings.start``), or None.
+        vibrator: "running" or "still" during the approach, or None.
+        sudden: True if press and vibration set in at once, without an approach.
         stated_shape: shape of part and hole (``Settings.shape``), or None.
         horizon: latest time of its runs in s, or None for that of the settings in units of 1/p.
         insertion_depth: depth in m at which it counts as inserted, or None for the default.
@@ -72,7 +81,8 @@ class StatedDevice(Value):
     free: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     limits: Mapping[str, float] = field(default_factory=dict)
     changes: Mapping[str, object] = field(default_factory=dict)
-    start: Start | None = None
+    vibrator: Vibrator | None = None
+    sudden: bool = False
     stated_shape: Shape | None = None
     horizon: float | None = None
     insertion_depth: float | None = None
@@ -153,7 +163,33 @@ class StatedDevice(Value):
         """Return the quantities with ``changes``, of the holder and the part as ``MOUTH`` is."""
         replaced = replaced_by(changes)
         kept = {name: v for name, v in self.quantities.items() if name not in replaced}
-        return with_parameters({**kept, **changes})
+        approach = {} if self.sudden else {SPEED: USUAL}
+        return with_parameters({**approach, **kept, **changes})
+
+    def approaches(self, varied: Collection[str] = ()) -> tuple[Approach, ...]:
+        """Return the approaches that it meets: the stated one, or those to try; none if sudden.
+
+        The first is that of a single run. They have no speed if it is among the ``varied``.
+        """
+        if self.sudden:
+            return ()
+        own = self.quantities.get(SPEED)
+        return approaches_to_try(own, self.vibrator, varies=SPEED in varied)
+
+    def lowered(self, approach: Approach | None = None) -> "StatedDevice":
+        """Return the device with this approach stated, by default that of a single run."""
+        if self.sudden:
+            return self
+        vibrator, speed = approach or self.approaches()[0]
+        own = {} if speed is None else {SPEED: speed}
+        return replace(self, vibrator=vibrator, quantities={**self.quantities, **own})
+
+    @property
+    def stated_start(self) -> dict[str, float | str]:
+        """What states its start, as ``changed`` takes it."""
+        speed = SUDDEN if self.sudden else self.quantities.get(SPEED)
+        stated = {SPEED: speed, "vibrator": self.vibrator}
+        return {name: each for name, each in stated.items() if each is not None}
 
     def changed(self, **changes: float | str) -> "StatedDevice":
         """Return the device with other values and the same tolerances.
@@ -166,9 +202,11 @@ class StatedDevice(Value):
             ValueError: an unknown quantity, or a text that is no amount.
         """
         for name in changes:
-            check_quantity(name)
+            if name != "vibrator":
+                check_quantity(name)
+        vibrator, sudden = read_start(self.stated_start | changes)
         changed = by_quantity(amounts_of(changes, self.quantities.get("frequency")))
-        replaced = replaced_by(changes)
+        replaced = replaced_by(changes) | ({SPEED} if sudden else set())
         merged: dict[str, Any] = {
             part: {n: v for n, v in getattr(self, part).items() if n not in replaced} | values
             for part, values in changed.items()
@@ -177,6 +215,7 @@ class StatedDevice(Value):
         all_changes: dict[str, object] = {**self.changes, **changes}
         kept = kept_amplitude(self.quantities, self.written, changes)
         notes = tuple(dict.fromkeys([*self.notes, *kept]))
+        merged |= {"vibrator": vibrator, "sudden": sudden}
         return replace(self, **merged, materials=materials, changes=all_changes, notes=notes)
 
     def run_settings(self, settings: Settings, units: Units) -> Settings:
@@ -185,7 +224,7 @@ class StatedDevice(Value):
         Devices with other quantities have other units, and the same horizon and depth in SI units.
         """
         changes: dict[str, Any] = {
-            "start": settings.start or self.start,
+            "start": "simultaneous" if self.sudden else self.lowered().vibrator,
             "shape": settings.shape or self.shape,
         }
         if self.is_chamfered:
@@ -304,7 +343,7 @@ def amounts_of(
     amounts = {
         name: read_amount(name, value, unit_of(name), frequency)
         for name, value in given.items()
-        if name not in BESIDES
+        if name not in BESIDES and value != SUDDEN
     }
     if given.get("fit") is not None:
         low, high = play_of(given["fit"], diameter or 0.0)

@@ -11,6 +11,7 @@ const COLOURS = {
   normal: "#D55E00", friction: "#009E73", holder: "#e9e9e9",
 };
 const CLOSED = 1; // a contact that presses
+const PRESSED = 1, RUNNING = 2, STILL = 3; // numbers of starts (physics/approach.py)
 
 /** Return what the supporting contact does, in words. @param {Frame} frame */
 function contactWords(frame) {
@@ -216,10 +217,27 @@ function drawScene(g, width, height, frame, device, options) {
   g.fillText(options.exaggeration === 1 ? "at the slot, enlarged" : `at the slot, enlarged; tilt × ${options.exaggeration}`, whole + 14, height - 8);
 }
 
+/**
+ * Return the holder's swing, and its height over its last place, at a time of a track; see physics/approach.py.
+ * @param {Track} track @param {any} device @param {number} start number of the start
+ */
+function holderOf(track, device, start) {
+  const { frequency, phase, axial_damping: damping, approach_speed: speed, press_force: press } = device;
+  const runs = start !== STILL, lowered = start === RUNNING || start === STILL;
+  const real = 1 - frequency ** 2, imaginary = damping * frequency;
+  const hangs = runs ? (Math.sin(phase) * real - Math.cos(phase) * imaginary) / (real ** 2 + imaginary ** 2) : 0;
+  const rest = Number.isNaN(device.rest_y) ? device.half_height : device.rest_y;
+  const first = lowered ? track.columns.y[0] + hangs - (rest - press + damping * speed) : 0;
+  return (/** @type {number} */ time) => ({
+    swing: runs ? Math.sin(frequency * time + phase) : time < track.zero ? 0 : Math.sin(frequency * (time - track.zero) + phase),
+    lack: lowered ? Math.max(first - speed * time, 0) : 0,
+  });
+}
+
 /** Draw the holder, which vibrates, and the springs between it and the part. @param {CanvasRenderingContext2D} g @param {Place} place @param {Frame} frame @param {any} device @param {any} pose @param {number} unit @param {number} tall @param {number[]} span */
 function drawHolder(g, place, frame, device, pose, unit, tall, [left, wide]) {
-  const swing = Math.sin(device.frequency * frame.time + device.phase), a = device.half_width;
-  const plate = tall - 0.4 * a - swing * Math.min(1, 0.6 * a);
+  const a = device.half_width, { swing, lack } = device.holder(frame.time);
+  const plate = tall - 0.4 * a + (lack - swing) * Math.min(1, 0.6 * a);
   const [s, c] = [Math.sin(pose.tilt), Math.cos(pose.tilt)], b = device.half_height;
   const top = place(pose.x - b * s, pose.y + b * c), [, y] = place(0, plate);
   g.strokeStyle = COLOURS.faint;

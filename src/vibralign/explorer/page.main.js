@@ -114,7 +114,8 @@ function drawRun() {
   if (!run) return;
   const scene = contextOf("scene"), beside = drawnOther(), ghost = beside ? frameAt(beside.track, time) : null;
   const exaggeration = element("exaggerate").checked ? 5 : 1, { values } = run;
-  drawScene(scene.context, scene.width, scene.height, frameAt(run.track, time), run.device, { exaggeration, ghost });
+  const holder = holderOf(run.track, run.device, MODEL.control.start);
+  drawScene(scene.context, scene.width, scene.height, frameAt(run.track, time), { ...run.device, holder }, { exaggeration, ghost });
   const plots = contextOf("plots"), scaled = (/** @type {Quantity} */ panel) => scaleOf(panel, values) / panel.one;
   const second = scaleOf(MODEL.time, values), [unit, one] = timeUnit(lastTime() * second);
   const axis = { time, end: lastTime(), label: unit ? `time, ${unit}` : "τ, in units of 1/p", scale: second / one };

@@ -1,7 +1,7 @@
 // x, y, tilt and contact force over time, with a cursor and a band that shows how the part is supported.
 
 /**
- * @typedef {{time: Float64Array, columns: Record<string, Float64Array>, rows: number}} Track
+ * @typedef {{time: Float64Array, columns: Record<string, Float64Array>, rows: number, zero: number}} Track ``zero`` is the time from which results count
  * @typedef {Quantity & {curves: {name: string, label: string}[]}} Panel of the other run only the first curve is drawn
  */
 
@@ -16,7 +16,15 @@ function trackOf(numbers, names, rows) {
     columns[name] = new Float64Array(rows);
     for (let row = 0; row < rows; row += 1) columns[name][row] = numbers[row * names.length + n];
   });
-  return { time: columns.time, columns, rows };
+  // An engine counts anew from the first touch, and from the onset of the vibration (lifecycle.py).
+  let zero = 0;
+  for (let row = 1, last = columns.time[0]; row < rows; row += 1) {
+    const own = columns.time[row];
+    if (own < last) zero += last;
+    last = own;
+    columns.time[row] = own + zero;
+  }
+  return { time: columns.time, columns, rows, zero };
 }
 
 /** Return the last row at or before a time. @param {Track} track @param {number} time */

@@ -58,7 +58,7 @@ class Runner {
 
   /** Return the tilt at which a part rests under a slow press; NaN without rest. @param {number[]} set */
   slowTilt(set) {
-    const found = runOf(this.engine([set], { ...this.control, pressed: 1, horizon: 1e-9 }, 4), this.about);
+    const found = runOf(this.engine([set], { ...this.control, start: PRESSED, horizon: 1e-9 }, 4), this.about);
     return found.results.outcome === LEFT_SCENE ? NaN : found.track.columns.tilt[0];
   }
 }

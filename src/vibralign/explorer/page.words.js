@@ -80,7 +80,9 @@ function writeOutcome() {
   const lifted = times === 0 ? "It never lifts off." : `It lifts off ${times === 1 ? "once" : `${times} times`}.`;
   const ended = state.vibration || aligned ? outcomeWords(results) : `without vibration it ${stillWords(results, slow)}`;
   const drawn = run && results.tracked > run.track.rows ? ` The drawing ends at ${inTime(run.track.time[run.track.rows - 1])}: the run is longer than the page keeps.` : "";
-  element("words").textContent = `${ended[0].toUpperCase()}${ended.slice(1)}. ${aligned ? `${lifted} ` : ""}${forceWords(results)}${drawn}`;
+  const from = MODEL.control.start === STILL ? "the onset of the vibration" : "the first touch";
+  const counted = run && run.track.zero > 0 ? ` Its times count from ${from}, ${inTime(run.track.zero)} after the picture begins.` : "";
+  element("words").textContent = `${ended[0].toUpperCase()}${ended.slice(1)}. ${aligned ? `${lifted} ` : ""}${forceWords(results)}${drawn}${counted}`;
   element("remedy").textContent = good || !state.vibration ? "" : `What to do: ${MODEL.remedies[`${results.outcome},${results.reason}`]}.`;
   const both = other && (state.vibration ? [results, other.results] : [other.results, results]);
   const dashed = state.compared ? ` Dashed: the run ${state.vibration ? "without" : "with"} vibration.` : "";

@@ -45,13 +45,18 @@ from vibralign.plots import device_sheet
 SQUARE = Path(__file__).resolve().parents[2] / "square"
 COUNT = 8
 TILTS = (None, "0.2 deg", "-0.1 deg ± 0.2 deg", "0.1 deg σ 0.1 deg")
+APPROACHES = (
+    {"approach_speed": "sudden"},
+    {"approach_speed": "20 mm/s", "vibrator": "still"},
+    {"approach_speed": "30 mm/s", "vibrator": "running"},
+)
 VARIED = ("press_force", "frequency", "mass", "amplitude", "tilt_stiffness", "friction")
 HORIZON = 0.4  # s
 ROUGH = ["--tolerance", "1e-6", "--horizon", f"{HORIZON} s"]
 
 
 def written(folder: Path, number: int) -> Path:
-    """Write a random device: pressed first or not, square or round, tilted, with chamfers."""
+    """Write a random device: square or round, lowered or not, tilted, with chamfers."""
     rng = np.random.default_rng(4100 + number)
     stated = load_device(SQUARE / "devices" / ("pin.yaml", "peg.yaml", "shaft.yaml")[number % 3])
     quantities = dict(stated.quantities)
@@ -67,8 +72,7 @@ def written(folder: Path, number: int) -> Path:
         play = quantities["clearance"] * quantities["half_width"]
         chamfer = 0.1 * (quantities["misalignment"] - play)
         lines |= {"peg_chamfer": chamfer, "hole_chamfer": 2.0 * chamfer}
-    if number % 3 == 1:
-        lines["start"] = "pressed"
+    lines |= APPROACHES[number % 3]
     path = folder / f"device{number}.yaml"
     path.write_text(yaml.safe_dump(lines, allow_unicode=True), encoding="utf-8")
     return path

@@ -45,7 +45,7 @@ def random_device(folder: Path, number: int, origin: Path = SQUARE, **lines: str
         given = {name: each for name, each in given.items() if name not in OF_A_BASE}
         del given["materials"]
     given |= {name: f"{given[name]} {text}" for name, text in lines.items()}
-    given["shape"] = stated.shape
+    given |= {"shape": stated.shape, "approach_speed": "sudden"}
     path = folder / f"device{number}.yaml"
     path.write_text(yaml.safe_dump(given, allow_unicode=True), encoding="utf-8")
     return path

@@ -112,9 +112,10 @@ def test_the_study_and_the_command_line_start_from_the_same(capsys, settings):
 
 @pytest.mark.parametrize("name", PARAMETER_NAMES)
 def test_every_parameter_can_be_set_by_its_name(capsys, name):
-    value = {"misalignment": 0.3, "rest_x": 0.25, "rest_y": 4.0}.get(name)
+    value = {"misalignment": 0.3, "rest_x": 0.25, "rest_y": 4.0, "approach_speed": 2.0}.get(name)
     value = 1.01 * getattr(baseline(), name) + 0.001 if value is None else value
-    record = short(capsys, "--set", f"{name}={value!r}")
+    start = ["--start", "running"] if name == "approach_speed" else []
+    record = short(capsys, "--set", f"{name}={value!r}", *start)
     assert record["parameters"] == asdict(baseline().replace(**{name: value}))
 
 
@@ -294,10 +295,7 @@ def test_a_doubtful_device_runs_with_a_warning(capsys):
     assert "amplitude = 6 mm is larger than half_width = 5 mm" in err
 
 
-def test_the_start_is_that_of_the_option_then_the_file_then_the_study(tmp_path, capsys):
-    path = tmp_path / "peg.yaml"
-    path.write_text(Path(PEG).read_text(encoding="utf-8") + "start: pressed\n")
-
+def test_the_start_is_that_of_the_option_or_of_the_file(capsys):
     def start_of(*arguments):
         record = short(capsys, *arguments)
         assert record["unvibrated"] in ("aligns", "rests", "leaves")
@@ -305,8 +303,9 @@ def test_the_start_is_that_of_the_option_then_the_file_then_the_study(tmp_path, 
 
     assert start_of() == "simultaneous"
     assert start_of("--start", "pressed") == "pressed"
-    assert start_of("--device", str(path)) == "pressed"
-    assert start_of("--device", str(path), "--start", "simultaneous") == "simultaneous"
+    assert start_of("--device", PEG) == "simultaneous"  # approach_speed: sudden
+    still = "--set", "vibrator=still", "--set", "approach_speed=20 mm/s"
+    assert start_of("--device", PEG, *still) == "still"
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,142 @@
+"""Approaches of a device: stated, refused, tried where they are not stated, and asked each way."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from model.events.outcomes import Reason
+from model.sweeps.settings import Ensemble
+from vibralign import INSERTION, Settings, load_device, reliable_at, simulate
+from vibralign.answers.approaches import in_worst_approach, with_each_approach, worst_of
+from vibralign.answers.assess import assess
+from vibralign.answers.cases import approach_of, cases_of, without_approach
+from vibralign.answers.reliability import from_every_start, run_devices
+from vibralign.commands import main as cli
+from vibralign.device import DeviceError
+from vibralign.device.approach import Approach
+
+PEG = Path(__file__).resolve().parents[3] / "docs" / "devices" / "peg.yaml"
+FEW = Ensemble(phases=2, tilts=[1.0], every=1)
+SETTINGS = Settings(scene=INSERTION, tolerance=1e-6, horizon=100.0)
+
+
+def changed(**lines: object):
+    return load_device(PEG, lines)
+
+
+@pytest.mark.parametrize(
+    ("lines", "words"),
+    [
+        ({"approach_speed": "sudden"}, []),
+        ({"approach_speed": "20 mm/s", "vibrator": "still"},
+         ["still until pressed and at rest, 20 mm/s"]),
+        ({"approach_speed": "20 mm/s"},
+         ["running, 20 mm/s", "still until pressed and at rest, 20 mm/s"]),
+        ({"vibrator": "running"},
+         [f"running, {each} mm/s" for each in (10, 100, 30, 3)]),
+        ({}, [*(f"running, {each} mm/s" for each in (10, 100, 30, 3)),
+              "still until pressed and at rest, 10 mm/s"]),
+    ],
+)  # fmt: skip
+def test_what_is_not_stated_is_tried(lines, words):
+    device = changed(**lines)
+    assert [str(each) for each in device.approaches()] == words
+    approaches = dict.fromkeys(approach_of(case) for case in cases_of(device, FEW))
+    assert len(approaches) == max(len(words), 1)
+
+
+@pytest.mark.parametrize(
+    ("lines", "words"),
+    [
+        ({"start": "pressed"}, "write vibrator: still"),
+        ({"start": "simultaneous"}, "write approach_speed: sudden"),
+        ({"vibrator": "on"}, "unknown vibrator 'on'"),
+        ({"approach_speed": "sudden", "vibrator": "still"}, "has no effect"),
+        ({"approach_speed": "-1 mm/s"}, "must be a finite number > 0"),
+    ],
+)
+def test_a_start_that_does_not_fit_is_refused(tmp_path, lines, words):
+    path = tmp_path / "device.yaml"
+    given = yaml.safe_load(PEG.read_text(encoding="utf-8")) | lines
+    path.write_text(yaml.safe_dump(given, allow_unicode=True), encoding="utf-8")
+    with pytest.raises(DeviceError, match=words):
+        load_device(path)
+
+
+def test_the_option_of_a_start_is_answered_with_what_to_write(capsys):
+    arguments = ["simulate", "--device", str(PEG), "--start", "pressed"]
+    assert cli.main(arguments) == 2
+    assert "write vibrator: still" in capsys.readouterr().err
+
+
+def test_the_speed_is_that_of_the_file_in_the_units_of_each_device():
+    device = changed(approach_speed="20 mm/s", vibrator="running")
+    units = device.units
+    assert device.parameters.approach_speed == pytest.approx(0.02 / units.amplitude * units.time)
+    faster = device.changed(approach_speed=0.04)
+    assert faster.parameters.approach_speed == pytest.approx(2 * device.parameters.approach_speed)
+    sudden = changed(approach_speed="20 mm/s").changed(approach_speed="sudden")
+    assert sudden.parameters.approach_speed is None
+    assert sudden.run_settings(SETTINGS, units).start == "simultaneous"
+
+
+def test_cases_run_as_devices_that_state_their_approach():
+    device = changed(gripper_tilt=0.0)
+    cases = [*cases_of(device, FEW)]
+    own = {"mass": np.array([0.9, 1.0]) * device.quantities["mass"]}
+    found, _ = from_every_start(device, own, cases, SETTINGS)
+    for place in (0, 3, len(cases) - 1):
+        lowered = device.lowered(approach_of(cases[place]))
+        alone, _ = from_every_start(lowered, own, [without_approach(cases[place])], SETTINGS)
+        for name in ("outcome", "tau_align", "contact_force_max"):
+            np.testing.assert_array_equal(found[name][:, place], alone[name][:, 0])
+
+
+def test_assess_has_a_line_for_each_and_one_verdict():
+    device = changed(gripper_tilt=0.0)
+    result = assess(device, SETTINGS, FEW, vary=False)
+    assert [each.approach for each in result.approaches] == list(device.approaches())
+    assert sum(each.starts for each in result.approaches) == result.starts
+    assert result.reliable == all(each.reliable for each in result.approaches)
+    assert result.worst == worst_of(result.approaches)
+    assert in_worst_approach(device, SETTINGS, FEW) == device.lowered(result.worst)
+    for each in result.approaches:
+        alone = assess(device.lowered(each.approach), SETTINGS, FEW, vary=False)
+        assert (alone.aligned, alone.tau_worst) == (each.aligned, each.tau_worst)
+        assert alone.contact_force_max == each.force_most
+    struck = max(each.force_most for each in result.approaches)
+    sudden = assess(changed(gripper_tilt=0.0, approach_speed="sudden"), SETTINGS, FEW, vary=False)
+    assert struck > 2.0 * sudden.contact_force_max
+
+
+def test_one_device_asked_in_every_way(capsys):
+    lines = {"approach_speed": "30 mm/s", "vibrator": "running", "gripper_tilt": "0.1 deg"}
+    device = changed(**lines)
+    run = simulate(device, SETTINGS)
+    [row] = run_devices(device, {"friction": np.array([0.15])}, [{"phase": 0.0}], SETTINGS).times
+    assert row[0] == pytest.approx(run.tau_align * device.units.time, rel=1e-4)
+    sets = [word for n, v in lines.items() for word in ("--set", f"{n}={v}")]
+    arguments = ["--device", str(PEG), "--tolerance", "1e-6", "--horizon", "1 s", "--json"]
+    cli.main(["simulate", *arguments, "--scene", "insertion", *sets])
+    said = json.loads(capsys.readouterr().out)
+    assert said["si"]["alignment_time_s"] == pytest.approx(row[0], rel=1e-4)
+    assert said["start"] == "running"
+    cases = cases_of(device, Ensemble())
+    every, _ = from_every_start(device, {"friction": np.array([0.15])}, cases, SETTINGS)
+    assert bool(reliable_at(device, SETTINGS)[0]) == bool(every["goes_in"].all())
+
+
+def test_the_press_alone_is_counted():
+    device = changed(
+        approach_speed="30 mm/s", vibrator="still", friction=0.02, press_force="15 N",
+        gripper_tilt="0.2 deg",
+    )  # fmt: skip
+    cases = [{**case, "vibrates": 0.0, "approach_speed": 0.03} for case in cases_of(device, FEW)]
+    found, _ = from_every_start(device, {"friction": np.array([0.02])}, cases, SETTINGS)
+    assert (found["reason"] == Reason.BY_PRESS).all()
+    [verdict] = with_each_approach(cases, {name: each[0] for name, each in found.items()})
+    assert verdict.approach == Approach("still", 0.03)
+    assert verdict.by_press == verdict.aligned == len(cases)
