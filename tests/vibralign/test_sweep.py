@@ -47,7 +47,12 @@ def found() -> xr.Dataset:
 @pytest.fixture(scope="module")
 def pressed(tmp_path_factory) -> Path:
     path = tmp_path_factory.mktemp("pressed") / "pressed.yaml"
-    path.write_text(PEG.read_text(encoding="utf-8") + "start: pressed\n", encoding="utf-8")
+    path.write_text(
+        PEG.read_text(encoding="utf-8").replace(
+            "approach_speed: sudden", "vibrator: still\napproach_speed: 3 mm/s"
+        ),
+        encoding="utf-8",
+    )
     return path
 
 
@@ -160,15 +165,16 @@ def test_xarray_draws_it_with_its_quantities_and_units(found):
 def test_a_device_means_the_same_everywhere(pressed):
     """A path, the device, a list of it, its parameters with its start."""
     device = load_device(pressed)
-    run = simulate(device.parameters, QUICK, start="pressed")
-    assert run.tau_align != simulate(device.parameters, QUICK).tau_align
+    run = simulate(device.parameters, QUICK, start="still")
+    sudden = device.changed(approach_speed="sudden")
+    assert run.tau_align != simulate(sudden, QUICK).tau_align
     for given in (pressed, str(pressed), device):
         assert simulate(given, QUICK) == run
         (time,) = align(given, QUICK).tau_align
         assert time == align([given], QUICK).tau_align[0] == pytest.approx(run.tau_align, abs=1e-6)
         seconds = float(sweep(given, QUICK).tau_align)
         assert seconds == pytest.approx(time * device.units.time, rel=1e-14)
-    mixed = align([PEG, pressed, device.parameters, load_device(PEG)], QUICK)
+    mixed = align([PEG, pressed, sudden.parameters, load_device(PEG)], QUICK)
     assert mixed.tau_align[0] == mixed.tau_align[2] == mixed.tau_align[3] != mixed.tau_align[1]
     assert mixed.tau_align[1] == time
 
@@ -178,7 +184,7 @@ def test_assessments_start_as_the_file_states(pressed):
     settings = Settings(scene=vibralign.INSERTION, tolerance=1e-6)
     stated, other = (assess(each, settings, vary=False) for each in (pressed, PEG))
     assert stated != other
-    explicit = Settings(scene=vibralign.INSERTION, tolerance=1e-6, start="pressed")
+    explicit = Settings(scene=vibralign.INSERTION, tolerance=1e-6, start="still")
     assert stated == assess(device, explicit, vary=False)
     forces = ["8 N", 10.0, 28.0]
     verdicts = [reliable_at(each, settings, press_force=forces) for each in (pressed, device)]

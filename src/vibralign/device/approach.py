@@ -48,6 +48,12 @@ def approaches_to_try(
     return tuple(Approach(vibrator, each) for each in speeds)
 
 
+def with_changes(stated: Mapping[str, Any], changes: Mapping[str, object]) -> dict[str, Any]:
+    """Return what states a start, with changes: one that becomes sudden has no vibrator."""
+    left = {"vibrator"} if changes.get(SPEED) == SUDDEN else set()
+    return {name: each for name, each in stated.items() if name not in left} | dict(changes)
+
+
 def read_start(mapping: Mapping[str, Any]) -> tuple[Vibrator | None, bool]:
     """Return what a file says of its vibrator, and whether its start is sudden.
 

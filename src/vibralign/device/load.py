@@ -10,7 +10,7 @@ from model.physics.parameters import Shape, check_name
 from model.physics.units import device
 from model.sweeps import files
 from vibralign.device.amounts import read_amount, read_range
-from vibralign.device.approach import SPEED, SUDDEN, read_start
+from vibralign.device.approach import SPEED, SUDDEN, read_start, with_changes
 from vibralign.device.base import BASE
 from vibralign.device.instead import replaced_by, with_parameters
 from vibralign.device.limits import read_limits
@@ -38,7 +38,7 @@ def load_device(path: Path | str, changes: Mapping[str, object] | None = None) -
     mapping = {name: value for name, value in _mapping(path).items() if name not in replaced}
     try:
         at, now = _one_frequency(mapping), {**mapping, **changes}
-        vibrator, sudden = read_start(now)
+        vibrator, sudden = read_start(with_changes(mapping, changes))
         amounts = amounts_of(mapping, at, _diameter(now))
         others = amounts_of(changes, _one_frequency(now), _diameter(now))
         parts, changed = by_quantity(amounts), by_quantity(others)
@@ -121,7 +121,12 @@ def _section(name: str, mapping: Mapping[str, Any]) -> Iterable[tuple[str, objec
 
 
 def _check_tolerances(stated: StatedDevice) -> None:
-    """Refuse tolerances within which the part can start wholly beside the slot."""
+    """Refuse tolerances without effect, or within which the part starts wholly beside the hole."""
+    if "phase" in stated.tolerances:
+        raise ValueError("phase: a tolerance has no effect, since every phase is tried")
+    for name, each in stated.tolerances.items():
+        if each.end(stated.quantities[name]) == 0.0:
+            raise ValueError(f"{name}: a tolerance in per cent of 0 has no effect: write an amount")
     worst = {}
     narrow = dict.fromkeys(("half_width", "diameter", "clearance", "play"), -1.0)
     for name, sign in {**narrow, "misalignment": 1.0}.items():

@@ -263,7 +263,7 @@ def _base(given: Mapping[str, float], device: Device, shape: Shape) -> Iterator[
     overlap = given["misalignment"] - given["clearance"] * given["half_width"]
     if radius < _SHARPEST:
         yield f"{_mm(given, 'edge_radius')}: sharper than edges are"
-    if radius > overlap:
+    if "edge_radius" in given and radius > overlap:
         yield (
             f"{_mm(given, 'edge_radius')}, while the part lies on the edge by at most "
             f"{1e3 * overlap:.3g} mm (misalignment - clearance * half_width): it starts on the "

@@ -25,6 +25,7 @@ from vibralign.device.approach import (
     Vibrator,
     approaches_to_try,
     read_start,
+    with_changes,
 )
 from vibralign.device.base import BASE, pair_of, with_base
 from vibralign.device.fits import play_of
@@ -204,7 +205,7 @@ class StatedDevice(Value):
         for name in changes:
             if name != "vibrator":
                 check_quantity(name)
-        vibrator, sudden = read_start(self.stated_start | changes)
+        vibrator, sudden = read_start(with_changes(self.stated_start, changes))
         changed = by_quantity(amounts_of(changes, self.quantities.get("frequency")))
         replaced = replaced_by(changes) | ({SPEED} if sudden else set())
         merged: dict[str, Any] = {

@@ -282,12 +282,17 @@ def test_reliable_forces_are_asked_in_si_units():
 
 def test_python_keeps_the_start_of_the_file_and_asks_what_assess_asks(tmp_path):
     path = tmp_path / "peg.yaml"
-    path.write_text(PEG.read_text(encoding="utf-8") + "start: pressed\n", encoding="utf-8")
+    path.write_text(
+        PEG.read_text(encoding="utf-8").replace(
+            "approach_speed: sudden", "vibrator: still\napproach_speed: 3 mm/s"
+        ),
+        encoding="utf-8",
+    )
     pressed = load_device(path)
-    assert pressed.start == "pressed"
+    assert pressed.vibrator == "still"
     run = simulate(pressed, tolerance=1e-7)
-    assert run.tau_align == simulate(pressed.parameters, tolerance=1e-7, start="pressed").tau_align
-    other = simulate(pressed, tolerance=1e-7, start="simultaneous")
+    assert run.tau_align == simulate(pressed.parameters, tolerance=1e-7, start="still").tau_align
+    other = simulate(pressed.changed(approach_speed="sudden"), tolerance=1e-7)
     assert other.tau_align == simulate(load_device(PEG), tolerance=1e-7).tau_align
     assert abs(other.tau_align - run.tau_align) > 1.0
     # It aligns with more friction than it goes in with: the question is that of ``assess``.
@@ -303,4 +308,4 @@ def test_python_keeps_the_start_of_the_file_and_asks_what_assess_asks(tmp_path):
         reliable_at(pressed)
         reliable_at(stated)
     assert {each.scene.name for each in asked} == {"insertion"}
-    assert [*dict.fromkeys(each.start for each in asked)] == ["pressed", None]
+    assert [*dict.fromkeys(each.start for each in asked)] == ["still", "simultaneous"]

@@ -309,6 +309,34 @@ def test_the_start_is_that_of_the_option_or_of_the_file(capsys):
 
 
 @pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        (["--start", "pressed"], ["pressed", "vibrator: still"]),
+        (["--start", "simultaneous"], ["simultaneous", "approach_speed: sudden"]),
+        (["--set", "vibrator=on"], ["'on'", "running, still"]),
+        (["--set", "approach_speed=sudden", "--set", "vibrator=still"], ["still", "no effect"]),
+        (["--set", "approach_speed=fast"], ["'fast'", "m/s"]),
+        (["--set", "initial_tilt=1 deg"], ["initial_tilt", "write gripper_tilt"]),
+        (["--set", "rest_tilt=1 deg"], ["rest_tilt", "write gripper_tilt"]),
+        (["--set", "rest_x=1 mm"], ["rest_x", "misalignment and gripper_tilt"]),
+        (["--set", "rest_y=1 mm"], ["rest_y", "press_force"]),
+        (["--set", "phase=0 ± 1"], ["phase", "no effect"]),
+        (["--set", "gripper_tilt=0 deg ± 5 %"], ["gripper_tilt", "no effect", "amount"]),
+        (["--set", "misalignment=-1 mm"], ["misalignment = -0.001", ">= 0"]),
+        (["--set", "misalignment=40 mm"], ["wholly beside"]),
+        (["--set", "peg_chamfer=5 mm"], ["peg_chamfer = 0.005", "half_width"]),
+        (["--set", "hole_chamfer=2 mm"], ["the chamfers meet", "no vibration needed"]),
+        (["--set", "misalignment=0.21 mm", "--set", "gripper_tilt=-5 deg"], ["already inside"]),
+        (["--set", "peg_chamfer=0.1 mm", "--scene", "insertion"], ["chamfer", "no further"]),
+    ],
+)
+def test_a_start_that_makes_no_sense_is_answered_with_what_to_write(given, words, capsys):
+    assert cli.main(["simulate", "--device", PEG, *given]) == cli.REFUSED
+    said = capsys.readouterr().err
+    assert all(each in said for each in words), said
+
+
+@pytest.mark.parametrize(
     "closed",
     [">&-", "<&- >&- 2>&-"]
     + [pytest.param(each, marks=pytest.mark.nightly) for each in ("<&-", "2>&-", ">&- 2>&-")],

@@ -10,7 +10,7 @@ import vibralign.explorer
 
 NODE = shutil.which("node")
 FOLDER = Path(vibralign.explorer.__file__).parent
-_SCRIPTS = ("amounts", "state")
+_SCRIPTS = ("amounts", "state", "map")
 
 
 def evaluate(model: dict[str, Any], expression: str) -> Any:

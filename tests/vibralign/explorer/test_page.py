@@ -13,7 +13,7 @@ import xarray as xr
 
 from model.engine.track import COLUMNS
 from model.events.outcomes import OUTCOME_TEXT, Outcome, Reason, remedy
-from model.physics.parameters import FIELDS, PARAMETER_NAMES
+from model.physics.parameters import FIELDS, OF_PAPER
 from model.runs.in_browser import Module, interface
 from model.runs.settings import Settings
 from model.runs.trace import Trace
@@ -59,7 +59,7 @@ def test_page_needs_no_network(page: str) -> None:
 
 def test_page_knows_every_parameter_outcome_and_remedy(page: str) -> None:
     model = model_in(page)
-    assert {each["name"] for each in model["parameters"]} == set(PARAMETER_NAMES)
+    assert {each["name"] for each in model["parameters"]} == set(OF_PAPER)
     for each in model["parameters"]:
         assert each["symbol"] == FIELDS[each["name"]].symbol
         assert each["least"] < each["most"]
