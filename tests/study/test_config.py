@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 import yaml
 
-from model.physics.parameters import PARAMETER_NAMES, Parameters
+from model.physics.parameters import Parameters
 from study.config import (
     CURVES,
     FIGURES,
@@ -147,9 +147,9 @@ def test_the_accuracy_law_holds_every_value_of_the_study():
         sweep = sweep_of(study, figure)
         values = {name: [value] for name, value in sweep.parameters.items()}
         values |= {dimension.parameter: dimension.values for dimension in sweep.dimensions}
-        for name in PARAMETER_NAMES:
+        for name, stated in values.items():
             law = ranges.get(name)
-            for value in values[name]:
+            for value in stated:
                 if law is None:  # not drawn: the same default everywhere
                     assert value == defaults[name]
                 elif not (law.low <= value <= law.high or (value == 0.0 and law.zero > 0.0)):

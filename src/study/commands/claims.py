@@ -39,7 +39,10 @@ def _claims(arguments: argparse.Namespace) -> int:
 
     if arguments.regime:
         return _regime(arguments)
-    lines = read_ledger(arguments.root / "claims.csv")
+    path = arguments.root / "claims.csv"
+    if not path.exists():
+        raise _nothing_of(arguments, "claims")
+    lines = read_ledger(path)
     if arguments.json:
         print_json([asdict(line) for line in lines])
         return 0
@@ -58,6 +61,14 @@ def _claims(arguments: argparse.Namespace) -> int:
     return 0
 
 
+def _nothing_of(arguments: argparse.Namespace, what: str) -> ValueError:
+    """Return the refusal of a results root in which the study has built nothing yet."""
+    return ValueError(
+        f"--root {arguments.root}: holds no {what} of the study; build it (make), or name its "
+        "results root"
+    )
+
+
 def _regime(arguments: argparse.Namespace) -> int:
     from model.sweeps.io import read_dataset  # noqa: PLC0415
     from study.claims.data import MissingDataError, figure_of  # noqa: PLC0415
@@ -72,10 +83,7 @@ def _regime(arguments: argparse.Namespace) -> int:
         numbers = {name: round(value, 3) for name, value in regime._asdict().items()}
         rows.append({"figure": path.stem, **numbers})
     if not rows:
-        raise ValueError(
-            f"--root {arguments.root}: holds no datasets of the study; build it (make), or name "
-            "its results root"
-        )
+        raise _nothing_of(arguments, "datasets")
     if arguments.json:
         print_json(rows)
     else:

@@ -40,4 +40,4 @@ def until(settings: Settings) -> str:
     """Return in words until when forces are known."""
     if settings.success is Outcome.INSERTED:
         return "until inserted"
-    return "until alignment: --scene insertion for those in the hole"
+    return "until alignment"

@@ -9,6 +9,7 @@ from typing import Any
 
 from model.engine.results import RESULTS, TRACK_VARIABLES
 from model.engine.series_layout import METHOD
+from model.events.insertion import INSERTION
 from model.events.outcomes import SUCCESSES, Outcome, Unvibrated
 from model.physics.notation import State
 from model.physics.parameters import Batch, Parameters
@@ -72,14 +73,16 @@ def _simulate(arguments: argparse.Namespace) -> int:
             record["si"] = _in_si(run, units) | natural_record(parameters, units) | lever
         print_json(record)
     else:
-        lines = _report(run, units, settings)
+        chamfered = given.stated is not None and given.stated.is_chamfered
+        into = "" if chamfered or settings.scene is INSERTION else _INTO
+        lines = _report(run, units, settings, into)
         lines += lever_words(parameters, settings, units)
         lines += wall_words(parameters, settings, run.tilt_max, units)
         lines.append(natural_words(parameters, units))
         lines += [unvibrated_words(parameters, settings), *lines_of(assumed)]
         if units and arguments.dimensionless:
             one = f"one is {units.time:.4g} s, {units.amplitude:.4g} m, {units.force:.4g} N"
-            lines += ["", "dimensionless:", *_report(run, None, settings)[1:], one]
+            lines += ["", "dimensionless:", *_report(run, None, settings, into)[1:], one]
         print("\n".join(lines))
     in_units = None if arguments.dimensionless else units
     if arguments.plot is not None:
@@ -123,8 +126,14 @@ def _within(value: float, error: float) -> str:
     return f"{value:.{places}f} ± {error:.1g}"
 
 
-def _report(run: Trajectory, units: Units | None, settings: Settings) -> list[str]:
-    """Return the printed lines on a run: words and SI units, or variable names without units."""
+_INTO = ": --scene insertion for those in the hole"
+
+
+def _report(run: Trajectory, units: Units | None, settings: Settings, into: str) -> list[str]:
+    """Return the printed lines on a run: words and SI units, or variable names without units.
+
+    ``into`` says how the forces after alignment are found, if they can be.
+    """
     aligned = not math.isnan(run.tau_align)
     rows = [("outcome", f"{_name(run.outcome)}: {run.message}")]
     if run.outcome not in SUCCESSES:
@@ -152,7 +161,7 @@ def _report(run: Trajectory, units: Units | None, settings: Settings) -> list[st
             rows.append((meaning if units else name, text))
         if name == "contact_force_max":
             words = forces_words(at_places, units, settings) if units else until(settings)
-            rows.append(("  of the force" if units else "  known", words))
+            rows.append(("  of the force" if units else "  known", words + into))
     end = in_words(float(run.time[-1]), TIME, units) if units else f"τ = {run.time[-1]:.9g}"
     rows.append(("final state", f"at {end}"))
     for name, number in _final_state(run).items():

@@ -11,7 +11,8 @@ from study.config import ConfigError, check_study, load_study, read_study, study
 
 # The command line, and what the one line that refuses it must hold. ROOT is an empty folder.
 LINES = [
-    (["claims", "--root", "ROOT"], ["ROOT", "holds no datasets"]),
+    (["claims", "--root", "ROOT"], ["ROOT", "holds no claims"]),
+    (["claims", "--root", "ROOT", "--regime"], ["ROOT", "holds no datasets"]),
     (["runs", "--root", "ROOT/nowhere"], ["nowhere"]),
     (["runs", "--root", "ROOT/file"], ["file"]),
     (["runs", "--root", "ROOT", "--figure", "6"], ["ROOT", "build the study first"]),

@@ -35,7 +35,7 @@ def test_the_regime_is_a_line_for_every_figure(root, datasets, capsys) -> None:
 
 def test_what_cannot_be_read_is_named(tmp_path, datasets, capsys) -> None:
     assert cli.main(["claims", "--root", str(tmp_path)]) == cli.REFUSED
-    assert "claims.csv: is not a table of claims" in capsys.readouterr().err
+    assert "holds no claims of the study" in capsys.readouterr().err
     assert cli.main(["claims", "--root", str(tmp_path), "--regime"]) == cli.REFUSED
     assert "holds no datasets of the study" in capsys.readouterr().err
     write_dataset(datasets["fig06"].drop_vars("unvibrated"), tmp_path / "data/fig06.nc")

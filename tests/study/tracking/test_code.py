@@ -81,13 +81,13 @@ def test_where_script_and_package_stand_changes_nothing(tmp_path, package):
 def test_a_plotting_script_does_not_depend_on_the_integrator():
     closure = {path.name for path in import_closure(PROJECT / "workflow/scripts/schematic.py")}
     assert {"schematic.py", "fig04.py", "geometry.py"} <= closure
-    assert "loop.py" not in closure
+    assert not {"step.py", "series.py"} & closure
 
 
 def test_a_computing_script_depends_on_all_that_it_computes_with():
     closure = {path.name for path in import_closure(PROJECT / "workflow/scripts/chunk.py")}
-    assert {"forces.py", "contacts.py", "loop.py", "tableaux.py", "sweep.py"} <= closure
-    assert not {"plots.py", "schematics.py", "report.py", "cli.py"} & closure
+    assert {"forces.py", "contacts.py", "step.py", "series.py", "sweep.py"} <= closure
+    assert not {"plots.py", "sheet.py", "page.py", "__main__.py"} & closure
     assert not {"study.py", "checks.py", "figures.py", "claims.py", "accuracy.py"} & closure
 
 

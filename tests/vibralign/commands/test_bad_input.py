@@ -16,9 +16,7 @@ from model.sweeps.io import write_dataset
 from study.config import (
     study_path,
 )
-from vibralign import simulate
 from vibralign.commands import main as cli
-from vibralign.device.paper import baseline
 from vibralign.plots import style
 
 COMMAND = [sys.executable, "-m", "vibralign"]
@@ -226,7 +224,7 @@ def _small_files_only() -> None:
 @pytest.fixture
 def compiled():
     """Kernels are on disk already: a command that cannot write must not have to compile."""
-    simulate(baseline(), horizon=0.1)
+    assert cli.main(["simulate", "--horizon", "1"]) == cli.DONE
 
 
 @pytest.mark.usefixtures("compiled")
