@@ -205,10 +205,10 @@ def test_devices_have_a_dimension_of_their_own():
 
 
 def test_devices_keep_their_own_attributes_and_assumptions(pressed, tmp_path):
-    """One is pressed first, one has another base; what they share is said once."""
+    """One is lowered first, one has another base; what they share is said once."""
     apart = [sweep(each, QUICK, frequency=[40, 50]) for each in (pressed, BRASS)]
     found = sweep([pressed, BRASS], QUICK, frequency=[40, 50])
-    assert found.start.values.tolist() == ["pressed", "simultaneous"]
+    assert found.start.values.tolist() == ["still", "simultaneous"]
     assert found.assumptions.values.tolist() == [each.attrs["assumptions"] for each in apart]
     assert found.attrs["shape"] == "square"
     assert not {"start", "assumptions", "device"} & set(found.attrs)
@@ -283,13 +283,13 @@ def design(**_):
 
 
 LONG = {"may_settle": False, "horizon": 1e9, "max_evaluations": 10**12}
-NEVER = {"press_force": np.linspace(0.8, 1.0, 4000)}  # too weak: none aligns
+NEVER = {"press_force": np.linspace(4.0, 8.0, 4000)}  # too strong: none aligns
 CALLS = {
-    "simulate": lambda: simulate(baseline().replace(press_force=0.8), **LONG),
+    "simulate": lambda: simulate(baseline().replace(press_force=4.0), **LONG),
     "align": lambda: align(vibralign.Batch.of(baseline(), **NEVER), **LONG),
     "sweep": lambda: sweep(baseline(), **NEVER, **LONG),
     "reliable_at": lambda: reliable_at(baseline(), Settings(**LONG), **NEVER),
-    "assess": lambda: assess(baseline().replace(press_force=0.8), Settings(**LONG)),
+    "assess": lambda: assess(baseline().replace(press_force=4.0), Settings(**LONG)),
     "yield_of": lambda: yield_of(BRASS, devices=2**12),
     "design": design,
 }
