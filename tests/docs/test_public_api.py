@@ -17,7 +17,7 @@ LISTED = re.findall(r"auto(?:function|class|data):: ([\w.]+)", PAGE.read_text(en
 # here is not taken away without the steps that the page states.
 FROZEN = {
     "vibralign.simulate": "parameters settings changes",
-    "vibralign.align": "batch settings cores engine changes",
+    "vibralign.align": "batch settings cores changes",
     "vibralign.sweep": "device settings points cores axes",
     "vibralign.assess": "device settings ensemble cores bases vary",
     "vibralign.Settings": """
@@ -41,13 +41,14 @@ FROZEN = {
         half_width half_height clearance misalignment initial_tilt inertia lateral_stiffness
         tilt_stiffness lateral_damping axial_damping tilt_damping contact_stiffness
         contact_damping friction press_force frequency phase rest_x rest_y rest_tilt
+        approach_speed
     """,
     "vibralign.Batch": "values",
     "vibralign.baseline": "",
     "vibralign.load_device": "path changes",
     "vibralign.StatedDevice": """
-        source quantities tolerances materials free limits changes start stated_shape horizon
-        insertion_depth notes written
+        source quantities tolerances materials free limits changes vibrator sudden stated_shape
+        horizon insertion_depth notes written
     """,
     "vibralign.DoubtWarning": "",
     "vibralign.reliable_at": "device settings cores quantities",
@@ -76,6 +77,7 @@ FROZEN = {
         NONE MOVED_AWAY OVERSHOT CORNER_ON_WALL EDGE_ON_OTHER_FACE BOTH_SIDES OVERTURNED
         UNDECLARED_CONTACT IMPOSSIBLE_START STEP_TOO_SMALL TOO_MANY_EVALUATIONS CHATTER
         NOT_FINITE NO_FRICTION_SOLUTION CHAOTIC NO_REST WEDGED LACK_OF_FORCE ON_EDGE
+        BY_PRESS NO_TOUCH STILL_MOVES ON_FLANK
     """,
 }
 

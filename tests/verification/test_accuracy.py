@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from model.runs.simulate import simulate_once
 from verification import accuracy
 from verification.accuracy import (
     FARTHEST,
@@ -111,8 +112,11 @@ def test_truths_are_given_for_every_certain_alignment(tables):
         assert (error <= 10 * table["tau_error"][certain]).all()
 
 
-def test_what_the_reference_engine_does_not_settle_on_is_carried_on_itself(fixed_study):
-    # It enters a slip of 9e-7, just after it has left zero, as a near approach.
+def test_a_run_that_does_not_settle_again_is_carried_on_itself(fixed_study, monkeypatch):
+    def unsettled(p, settings):
+        return simulate_once(p, replace(settings, may_settle=False))
+
+    monkeypatch.setattr(accuracy, "simulate_once", unsettled)
     trial = trial_of(fixed_study, "settled")
     sets = np.array([15645])
     table = accuracy._settled(trial.batch(sets), trial.settings.settings, longer=2.0, cores=1)

@@ -121,7 +121,8 @@ def test_a_set_depends_on_its_number_only():
     for name, values in many.values.items():
         assert np.array_equal(values[37:38], one.values[name], equal_nan=True)
     assert many[37] == one[0]  # and is one that the parameters' rules admit
-    assert set(LAWS) | {"misalignment"} == set(FIELDS)
+    # A lowered part has sets of its own, in test_approach.py: starts of these are sudden.
+    assert set(LAWS) | {"misalignment", "approach_speed"} == set(FIELDS)
 
 
 @pytest.mark.parametrize(
@@ -198,7 +199,7 @@ def test_scaling_all_lengths_changes_no_time(device, changes, factor):
 ANY = {
     name: st.floats(0.0, 1e6) if field.bound else st.floats(-1e6, 1e6)
     for name, field in FIELDS.items()
-    if name not in ("misalignment", "initial_tilt")
+    if name not in ("misalignment", "initial_tilt", "approach_speed")
 } | {"initial_tilt": st.floats(-1.6, 1.6), "share": st.floats(0.0, 0.999)}
 
 

@@ -46,7 +46,7 @@ def test_the_time_without_smoothing_is_extrapolated_and_the_base_leaves_it_open(
 
 
 def test_a_row_has_all_columns():
-    q = points()[3]
+    q = points("truth")[3]
     truth = Truth("aligns", 1.0, 0.1, 2.0, 3.0, 0.2, (1.0,) * 5)
     row = row_of(q, truth)
     assert len(row) == len(COLUMNS) + len(names_of(q))

@@ -147,9 +147,11 @@ def _fetch_add(code: Code, numbers: Value, by: Value) -> Value:
     if not (isinstance(numbers, Array) and numbers.kind == INTEGER) or numbers.is_constant:
         found = in_words(type_of(numbers))
         raise SubsetError(f"fetch_add to {found}", "give an array of int64 of run time")
-    is_inside(code, constant(0), numbers.lengths[0])
-    number = code.whole(by, "a count").name
-    text = f"atomicrmw add ptr {numbers.pointer}, i64 {number} monotonic"
+    inside = is_inside(code, constant(0), numbers.lengths[0])
+    number, pointer = code.whole(by, "a count").name, numbers.pointer
+    if isinstance(inside, Number):
+        pointer = code.instead(inside, pointer)
+    text = f"atomicrmw add ptr {pointer}, i64 {number} monotonic"
     return Number(INTEGER, code.do(text))
 
 

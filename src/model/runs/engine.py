@@ -57,13 +57,14 @@ def _integrate(*arguments: Any) -> None:
 
 
 def run_alone(
-    row: Array, tolerance: float, settings: Settings, rows: int = 0
+    row: Array, tolerance: float, settings: Settings, rows: int = 0, *, carries_error: bool = False
 ) -> tuple[RunResult, Memory]:
     """Run one row of constants once, with a track of ``rows``; return also the memory at its end.
 
     A track keeps its first rows; ``RunResult.tracked`` is the number that it would need.
     """
     scene, control = settings.for_kernels
+    control = control._replace(carries_error=float(carries_error))
     lanes = lane_events_of(scene.events, settings.readings.switches)
     memory, results = new_memory(lanes, settings.may_settle, 1, rows), np.empty((1, _RESULTS))
     given = row[np.newaxis], np.array([tolerance]), scene, lanes, control
@@ -71,11 +72,17 @@ def run_alone(
     return RunResult(*results[0].tolist()), memory
 
 
-def run_tracked(row: Array, tolerance: float, settings: Settings) -> tuple[RunResult, Array]:
-    """Run one row of constants once; return also its track, shape (rows, columns)."""
-    found, memory = run_alone(row, tolerance, settings, _USUAL_TRACK)
+def run_tracked(
+    row: Array, tolerance: float, settings: Settings, *, carries_error: bool = False
+) -> tuple[RunResult, Array]:
+    """Run one row of constants once; return also its track, shape (rows, columns).
+
+    Times of runs that carry their error and of others differ in their last bits.
+    """
+    given = row, tolerance, settings
+    found, memory = run_alone(*given, _USUAL_TRACK, carries_error=carries_error)
     if found.tracked > _USUAL_TRACK:
-        found, memory = run_alone(row, tolerance, settings, int(found.tracked))
+        found, memory = run_alone(*given, int(found.tracked), carries_error=carries_error)
     return found, memory.track[: int(found.tracked)]
 
 

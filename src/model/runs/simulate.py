@@ -92,7 +92,7 @@ def simulate(
     run, carrying = engine_for(settings), engine_for(settings, carries_error=True)
     found = estimate(run, carrying, rows, settings.tolerance, settings.horizon)
     results = {name: column[0] for name, column in found.columns().items()}
-    track = run_tracked(rows[0], float(found.tolerance[0]), settings)[1]
+    track = run_tracked(rows[0], float(found.tolerance[0]), settings, carries_error=True)[1]
     return _trajectory(parameters, results, track)
 
 

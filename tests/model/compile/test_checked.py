@@ -90,7 +90,7 @@ for name, length in LENGTHS.items():
             told = ""
         except IndexError as error:
             told = str(error)
-        outside = np.abs(whole[:100]).sum() + np.abs(whole[112 if w.size < 20 else 132 :]).sum()
+        outside = np.abs(whole[:100]).sum() + np.abs(whole[100 + w.size :]).sum()
         beyond = not (1 if name == "of_rows" else 0) <= n < length
         if name == "counts":
             beyond = n >= length  # a slice counts from the end

@@ -92,8 +92,10 @@ class Draw:
     def p(self) -> Constants:
         constants = self.scene_events.constants
         variants = Variants.consistent() if constants.is_round else self.one_of(*_VARIANTS)
-        row = Batch.stack([self.device]).constants(variants)[0]
-        return constants(*(row * self.rng.uniform(0.8, 1.25, row.size)).tolist())
+        lowered = self.device.replace(approach_speed=0.1)
+        row = Batch.stack([lowered]).constants(variants)[0]
+        found = constants(*(row * self.rng.uniform(0.8, 1.25, row.size)).tolist())
+        return found._replace(ramp_end=self.number())
 
     def given(self) -> Given:
         values = (getattr(self.device, name) for name in PARAMETER_NAMES)
@@ -143,10 +145,11 @@ _NUMBERS = (
     "time", "along", "c", "x", "y", "tilt", "moment", "depth", "closing_rate", "load",
     "load_of_edge", "gap", "before",
     "corner_load", "drive", "side_drive", "g11", "g12", "g21", "g22", "s", "share", "first",
-    "angle", "value", "friction", "least", "noise", "period", "cycles",
+    "angle", "value", "friction", "least", "noise", "period", "cycles", "touching",
 )  # fmt: skip
 _FLAGS = (
     "in_slot", "slip_at_corner", "support_sticks", "side_sticks", "support_at_rest", "side_at_rest",
+    "vibrates",
 )  # fmt: skip
 _SAME = {
     "direction": "edge", "side": "edge", "r": "vector", "reach": "vector", "d0": "vector",

@@ -124,6 +124,8 @@ def test_another_function_of_the_same_name_is_another() -> None:
     assert each_lane() == range(WIDTH)
 
 
-def test_python_cannot_call_a_function_of_vectors() -> None:
-    with pytest.raises(TypeError, match="machine code"):
-        call_at(0, np.zeros(WIDTH), (0,))
+def test_python_calls_a_function_of_vectors() -> None:
+    flat = np.ones(WIDTH + 8)
+    w = flat[(-flat.ctypes.data % 64) // 8 :][:WIDTH]
+    VectorFunction("twice", _Twice)(w, (0,))
+    assert w.tolist() == [4.0] * WIDTH

@@ -66,7 +66,7 @@ OF_TIPS = {
     "drift by stretching": (CONTACTS, "stretching = ", "(offset * offset_rate"),
     "merging": (EVENTS, "return ", "p.half_width - mode.edge * at.along"),
     "lever of the press": (GEOMETRY, "return float(", "rim_x - p.misalignment"),
-    "largest misalignment": (GEOMETRY, "math.hypot(", "math.sqrt(hole**2"),
+    "largest misalignment": (GEOMETRY, "math.hypot(", "flat"),
     "doubt of the lever": (GEOMETRY, "return ", "2.0 * p.half_width * force"),
 }
 # Name: (file, what stands there, what is wrong with it).
