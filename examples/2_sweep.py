@@ -9,17 +9,16 @@ an estimate of its error, and the true error is smaller.
 import matplotlib.pyplot as plt
 import numpy as np
 
-from vibralign import Batch, align, load_device
+from vibralign import align, load_device
 
 ENLARGED = 10_000  # the bars, to be seen at all
 
 device = load_device("peg.yaml")
-press_force = np.linspace(0.8, 2.0, 61) * device.parameters.press_force
-batch = Batch.of(device.parameters, press_force=press_force)
-coarse = align(batch, shape=device.shape, tolerance=1e-5)
-fine = align(batch, shape=device.shape, tolerance=1e-12)
+newtons = np.linspace(0.8, 2.0, 61) * device.quantities["press_force"]
+devices = [device.changed(press_force=force) for force in newtons]
+coarse, fine = align(devices, tolerance=1e-5), align(devices, tolerance=1e-12)
 
-newtons, to_ms = press_force * device.units.force, 1e3 * device.units.time
+to_ms = 1e3 * device.units.time
 time, estimated = coarse.tau_align * to_ms, coarse.tau_error * to_ms
 true = np.abs(coarse.tau_align - fine.tau_align) * to_ms
 

@@ -25,6 +25,6 @@ for goes_in, mark, name in ((True, ".", "aligns"), (False, "x", "does not")):
 devices.set(xlabel="friction", ylabel="misalignment (mm)")
 devices.legend()
 indices = found.sobol_indices[::-1]
-blame.barh([each.quantity for each in indices], [each.failure_total for each in indices])
+blame.barh([each.quantity for each in indices], [each.failure for each in indices])
 blame.set_xlabel("total Sobol' index of failure")
 plt.show()

@@ -107,7 +107,7 @@ def _assess(arguments: argparse.Namespace) -> int:
     limits = limit_results(stated, result, drawn, settings) if stated is not None else ()
     kept = all(each.exceeding is None for each in limits)
     met = drawn is None or required is None or (drawn.low >= required and kept)
-    assumed = assumptions(device, settings, stated, ensemble)
+    assumed = assumptions(device, settings, given.stated, ensemble)  # not the worst approach's
     if stated is not None and not stated.base_is_stated:
         assumed["base"] = (
             f"worst of {len(result.bases)} that are tried, this one first: " + (assumed["base"])

@@ -112,6 +112,15 @@ def test_assess_has_a_line_for_each_and_one_verdict():
     assert struck > 2.0 * sudden.contact_force_max
 
 
+@pytest.mark.usefixtures("_no_leeways")
+def test_assess_says_every_approach_where_devices_are_drawn_in_the_worst(capsys):
+    device = ["--device", str(PEG), "--devices", "16"]
+    rough = ["--tolerance", "1e-6", "--horizon", "0.2 s", "--json"]
+    cli.main(["assess", *device, *rough, "--set", "approach_speed=30 mm/s"])
+    start = json.loads(capsys.readouterr().out)["assumptions"]["start"]
+    assert start.startswith("each of running, 30 mm/s; still")
+
+
 def test_one_device_asked_in_every_way(capsys):
     lines = {"approach_speed": "30 mm/s", "vibrator": "running", "gripper_tilt": "0.1 deg"}
     device = changed(**lines)

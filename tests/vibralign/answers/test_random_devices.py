@@ -108,7 +108,7 @@ def test_printed_ends_hold_on_every_base(tmp_path, monkeypatch):
     monkeypatch.setattr(leeways, "VARIED", ASKED)
     monkeypatch.setattr(leeways, "UNITS", ())
     assert asked(tmp_path, product(range(14), [SQUARE]), FEW, 20) <= 2
-    assert asked(tmp_path, product(range(16, 28), [ROUND]), FEW, 15) > 4
+    assert asked(tmp_path, product(range(16, 34), [ROUND]), FEW, 15) > 4
 
 
 @pytest.mark.nightly
