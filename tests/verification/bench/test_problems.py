@@ -63,7 +63,8 @@ def test_the_last_state_is_the_last_of_the_trajectory() -> None:
     whole = simulate_once(W2, settings)
     (row,) = settings.rows(Batch.stack([W2]))
     _, state = last_state(settings, row, settings.tolerance)
-    np.testing.assert_array_equal(state, whole.state[-1])
+    # To rounding: a track takes its last row from the series of the last step once more.
+    np.testing.assert_array_max_ulp(state, whole.state[-1], maxulp=4)
 
 
 def test_neighbours_begin_with_the_cases_themselves_and_differ() -> None:
