@@ -14,7 +14,10 @@ from verification.bench.problems import Problem, Solution, simulated
 
 
 class Package(Method):
-    """``align``: all events located, with an error estimate, mostly in one run of a set."""
+    """``align``: all events located, with an error estimate, mostly in one run of a set.
+
+    States come from single runs, because ``align`` returns none.
+    """
 
     formulation = "align, with error estimate"
     vectorized = True
@@ -29,11 +32,9 @@ class Package(Method):
         runs = align(cases, _settings(problem, resolution), cores=1)
         return _of_times(problem, runs.tau_align, runs.rhs_evaluations)
 
-    def answer(self, problem: Problem, resolution: float, deadline: float = math.inf) -> Solution:
+    def answer(self, problem: Problem, resolution: float, _deadline: float = math.inf) -> Solution:
         """As ``Method.answer``."""
-        if problem.checkpoints:
-            return simulated(problem, _settings(problem, resolution))
-        return super().answer(problem, resolution, deadline)
+        return simulated(problem, _settings(problem, resolution))
 
 
 class OneRun(Package):
@@ -48,6 +49,12 @@ class OneRun(Package):
         settings = replace(_settings(problem, resolution), alignment_only=True, may_settle=False)
         runs = run_once(Batch.stack(cases), settings, cores=1)
         return _of_times(problem, runs["tau_align"], runs["rhs_evaluations"])
+
+    def answer(self, problem: Problem, resolution: float, deadline: float = math.inf) -> Solution:
+        """As ``Method.answer``; without checkpoints as ``solve``."""
+        if problem.checkpoints:
+            return super().answer(problem, resolution, deadline)
+        return self.solve(problem, problem.cases, resolution, deadline)
 
 
 def _settings(problem: Problem, resolution: float) -> Settings:
