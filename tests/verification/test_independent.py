@@ -118,7 +118,7 @@ def test_it_agrees_in_the_slot(number, ending, kinds):
     settings = replace(SETTINGS, tolerance=1e-11)
     run = simulate(batch[0], settings)
     (depth,) = batch.insertion_depths().tolist()
-    solution = insert(batch[0], settings.horizon, depth, 1e-12)
+    solution = insert(batch[0], settings.horizon, depth, 1e-13)
     assert solution.ending == ending
     assert ends_as(run, solution.ending)
     assert kinds <= set(solution.events)

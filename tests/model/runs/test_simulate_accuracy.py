@@ -95,4 +95,8 @@ def test_estimated_errors_of_single_runs_hold_on_devices():
     error = np.abs(found.tau_align - exact.tau_align)[sure]
     assert sure.sum() > 400
     assert np.mean(error <= found.tau_error[sure]) >= 0.95
-    assert np.mean(error <= 10.0 * found.tau_error[sure]) >= 0.999
+    # The truth has an error, too: of one set (393) the run at 1e-13 takes a short step, whose error
+    # of 7e-10 it states; runs at 1e-9 to 1e-11 agree within their estimates.
+    uncertain = exact.tau_error[sure]
+    assert np.mean(error <= 10.0 * found.tau_error[sure] + uncertain) >= 0.999
+    assert np.mean(uncertain <= 1e-11) >= 0.95
