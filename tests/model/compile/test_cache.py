@@ -244,8 +244,9 @@ def test_two_values_of_a_computed_constant_share_no_object(
 
 
 def test_a_constant_that_changes_in_a_process_changes_names_too(
-    inside: Callable[[str, str], Any], made: list[str]
+    inside: Callable[[str, str], Any], restart: Restart, made: list[str]
 ) -> None:
+    restart()
     module = inside(INSIDE, "2.0")
     assert compiled(module.main)(3.0) == 9.0
     module.SCALE = 3.0
