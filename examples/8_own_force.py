@@ -20,10 +20,9 @@ import vibralign
 ABOVE, TERM = "    press_force: float", "lateral_suspension(q, p),"
 NEW = '    side_pull: float = entry("f_x", "pull of a cable", FORCE, default=0.0)\n'
 EDITS = {"parameters": (ABOVE, NEW + ABOVE), "forces": (TERM, f"{TERM[:-1]} + p.side_pull,")}
-RUN = """import json, sys, vibralign
+RUN = """import json, sys; from vibralign import load_device, simulate
 for pull in sys.argv[1:]:
-    device = vibralign.load_device("peg.yaml", {"side_pull": pull})
-    run = vibralign.simulate(device, horizon=11.0, tolerance=1e-6)
+    run = simulate(load_device("peg.yaml", {"side_pull": pull}), horizon=11.0, tolerance=1e-6)
     print(json.dumps([run.time.tolist(), run.state[:, 0].tolist()]))"""
 PULLS = ("-0.5 N", "0 N", "0.5 N")
 with tempfile.TemporaryDirectory() as folder:
