@@ -116,7 +116,8 @@ def test_without_vibration_the_peg_rests_on_the_edge(example):
     vibrated, pressed = example("4_without_vibration.py")["runs"].values()
     assert vibrated.outcome is Outcome.ALIGNED
     assert pressed.outcome is Outcome.SETTLED
-    control = unvibrated(Batch.stack([vibrated.parameters]), Settings(shape="round", start="running"))
+    lowered = Settings(shape="round", start="running")
+    control = unvibrated(Batch.stack([vibrated.parameters]), lowered)
     assert control.outcome[0] == Unvibrated.RESTS
     assert pressed.state[-1][2] == pytest.approx(control.tilt[0], rel=1e-6)
 
