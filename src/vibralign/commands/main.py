@@ -5,6 +5,7 @@ from collections.abc import Sequence
 
 from vibralign.commands import (
     assess,
+    calibrate,
     design,
     explore,
     map,  # noqa: A004  (the name of the command)
@@ -27,7 +28,7 @@ DESCRIPTION = (
     "Vibratory alignment of a peg with a hole: choose press force, tilt stiffness and excitation "
     "frequency."
 )
-COMMANDS = new, simulate, assess, design, map, explore  # in the order of the help
+COMMANDS = new, simulate, assess, design, calibrate, map, explore  # in the order of the help
 
 
 def parser() -> Parser:
