@@ -78,8 +78,7 @@ def _counts(settings: Sequence[Setting], study: Study) -> list[str]:
             kept = sum(each == name and case in cases for each, case in need)
             numbers += [f"in {kept} of {own} cases judged by {judge}"] if own else []
         if numbers:
-            kept = ", and ".join(numbers)
-            counts.append(f"{method.name}: keeps {power(COARSE)} {kept}.")
+            counts.append(f"{method.name}: keeps {power(COARSE)} {', and '.join(numbers)}.")
     return counts
 
 
