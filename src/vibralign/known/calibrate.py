@@ -8,13 +8,13 @@ import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from model.events.insertion import INSERTION
+from model.physics.tables import Value
 from model.runs.settings import Settings
 from vibralign.answers.reliability import Floats
 from vibralign.device import StatedDevice
@@ -33,8 +33,8 @@ _WAIT = 1.05  # of the longest time of the trials, until which runs are followed
 _PILED = 0.05, 0.3  # share of a range at its end, and of the posterior there, that are worth a word
 
 
-@dataclass(frozen=True, eq=False)
-class Calibration:
+@dataclass(frozen=True, eq=False, repr=False)
+class Calibration(Value):
     """What trials tell of a device; SI units.
 
     Attributes:
@@ -66,7 +66,7 @@ class Calibration:
         """True if the model fits and the sample is large enough."""
         return self.fit.fits and self.samples.effective >= EFFECTIVE
 
-    @cached_property
+    @property
     def sets(self) -> Sets:
         """Sets of the unknowns by name, each of shape (n,); ``samples`` has their weights."""
         return values_of(self.samples.z, self.device.unknown)

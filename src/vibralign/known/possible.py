@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from model.events.insertion import INSERTION
 from model.events.outcomes import SUCCESSES
+from model.physics.tables import Value
 from model.runs.align import run_once
 from model.runs.settings import Settings
 from model.sweeps.io import DatasetError
@@ -177,8 +178,8 @@ def exceeds_vibrator(device: StatedDevice) -> bool:
     return any(drive[name] > device.limits.get(name, np.inf) for name in OF_VIBRATOR)
 
 
-@dataclass(frozen=True, eq=False)
-class Possible:
+@dataclass(frozen=True, eq=False, repr=False)
+class Possible(Value):
     """What is possible of a device, and its verdict; SI units.
 
     Attributes:

@@ -9,11 +9,12 @@ weighs it against nested sampling and Markov chains.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 import scipy
 
+from model.physics.tables import Value
 from vibralign.answers.reliability import Floats
 from vibralign.device.unknown import Range
 
@@ -26,20 +27,19 @@ _KEPT = 0.25  # share of the sets that the tempered weights of a proposal keep, 
 _ENDS = 1e-6  # of a range, left out
 
 
-@dataclass
-class Samples:
+@dataclass(frozen=True, eq=False, repr=False)
+class Samples(Value):
     """Weighted sets of the unknowns.
 
     Attributes:
         z: normal variates of the shares of the ranges, shape (n, d).
         log_likelihood: of the sets, shape (n,).
         log_proposal: logarithm of n times the density of all proposals, shape (n,).
-        weights: of the sets, of sum 1, shape (n,).
     """
 
     z: Floats
     log_likelihood: Floats
-    log_proposal: Floats = field(default_factory=lambda: np.empty(0))
+    log_proposal: Floats
 
     @property
     def log_ratio(self) -> Floats:
@@ -97,9 +97,8 @@ def sample(
     d = len(ranges)
     engine = scipy.stats.qmc.Sobol(d, rng=np.random.default_rng(seed))
     z = scipy.stats.norm.ppf(np.clip(engine.random(FIRST), _ENDS, 1.0 - _ENDS))
-    found = Samples(z, log_likelihood(values_of(z, ranges)))
     mixtures: list[tuple[int, Floats, Floats]] = []
-    found.log_proposal = _log_proposal(found.z, FIRST, mixtures)
+    found = Samples(z, log_likelihood(values_of(z, ranges)), _log_proposal(z, FIRST, mixtures))
     stage = 0
     while found.effective < target and len(found.z) < most:
         stage += 1
@@ -119,8 +118,9 @@ def sample(
         except KeyboardInterrupt:
             break
         mixtures.append((STAGE, centres, covariance))
-        found = Samples(np.vstack([found.z, new]), np.append(found.log_likelihood, own))
-        found.log_proposal = _log_proposal(found.z, FIRST, mixtures)
+        z = np.vstack([found.z, new])
+        logs = np.append(found.log_likelihood, own)
+        found = Samples(z, logs, _log_proposal(z, FIRST, mixtures))
     return found
 
 

@@ -16,6 +16,7 @@ import scipy
 from numpy.typing import NDArray
 
 from model.events.insertion import INSERTION
+from model.physics.tables import Value
 from model.runs.settings import Settings
 from vibralign.answers.design import DIGITS
 from vibralign.answers.reliability import Floats
@@ -110,8 +111,8 @@ def settings_in(
     ]
 
 
-@dataclass(frozen=True, eq=False)
-class Covering:
+@dataclass(frozen=True, eq=False, repr=False)
+class Covering(Value):
     """The setting that covers most of what is possible.
 
     Attributes:

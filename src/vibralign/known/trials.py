@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from model.physics.tables import Value
 from model.sweeps.files import read_text
 from vibralign.device import StatedDevice
 from vibralign.device.amounts import read_amount, read_positive
@@ -36,8 +37,8 @@ _COMMA = re.compile(r"(?<=\d),(?=\d)")
 _POINT = re.compile(r"\d\.\d")
 
 
-@dataclass(frozen=True)
-class Trial:
+@dataclass(frozen=True, eq=False, repr=False)
+class Trial(Value):
     """One trial; SI units.
 
     Attributes:
