@@ -11,9 +11,6 @@ import yaml
 
 from model.physics.parameters import Parameters
 from study.config import (
-    CURVES,
-    FIGURES,
-    MAPS,
     ConfigError,
     check_study,
     load_study,
@@ -39,7 +36,7 @@ def mapping(stated: dict[str, Any]) -> dict[str, Any]:
 MISSING = object()
 REFUSED = [
     ("structure.inertia", MISSING, ["structure.inertia: missing"]),
-    ("figures.fig09", MISSING, ["missing fig09"]),
+    ("figures.fig09", MISSING, ["identification.operating_points", "'fig09'"]),
     ("results_rot", "x", ["results_rot", "unknown key", "results_root"]),
     ("settings.horizn", 1.0, ["settings.horizn", "unknown key", "horizon"]),
     ("settings.horizon", "long", ["settings.horizon = 'long'", "number"]),
@@ -55,7 +52,12 @@ REFUSED = [
     (
         "figures.fig99",
         {"kind": "schematic", "title": "t", "caption": "s"},
-        ["fig99", "fig14", "config/figures.py"],
+        ["figures.fig99.kind = 'schematic'", "study/schematics/fig99.py"],
+    ),
+    (
+        "figures.figure_15",
+        {"kind": "history", "title": "t", "caption": "s"},
+        ["fig and two digits"],
     ),
     ("figures.fig06.kind", "mapp", ["figures.fig06", "mapp", "'curves'"]),
     ("figures.fig06.swept.cout", 3, ["figures.fig06.swept.cout", "unknown key", "count"]),
@@ -131,11 +133,10 @@ def test_a_section_is_read_from_the_file_of_its_name_beside(mapping, tmp_path):
 def test_the_study_is_as_large_as_it_must_be():
     """The floors set for the study: 3 curves of 200 points, maps of 200 x 200 nodes."""
     study = load_study(study_path())
-    assert tuple(study.figures) == FIGURES
-    for name in CURVES:
+    for name in study.named("curves"):
         assert len(study.figures[name].family.values) >= 3
         assert study.figures[name].swept.count >= 200
-    for name in MAPS:
+    for name in study.named("map"):
         assert min(study.figures[name].x.count, study.figures[name].y.count) >= 200
 
 
@@ -143,7 +144,7 @@ def test_the_accuracy_law_holds_every_value_of_the_study():
     study = load_study(study_path())
     ranges, missed = study.accuracy.ranges, []
     defaults = {field.name: field.default for field in fields(Parameters)}
-    for figure in (name for name in FIGURES if study.figures[name].kind != "schematic"):
+    for figure in study.computed:
         sweep = sweep_of(study, figure)
         values = {name: [value] for name, value in sweep.parameters.items()}
         values |= {dimension.parameter: dimension.values for dimension in sweep.dimensions}

@@ -9,6 +9,7 @@ from typing import Any
 from model.events.outcomes import Outcome
 from model.physics.parameters import check_name
 from study.commands.options import add_root, figure_name
+from study.config import load_study, study_path
 from study.tracking import TrackingError
 from study.tracking.compare import Change, Comparison, compare
 from study.tracking.history import (
@@ -70,7 +71,7 @@ def add(commands: Any) -> None:
 
 
 def _runs(arguments: argparse.Namespace) -> int:
-    outcome, figure = arguments.outcome, arguments.figure and figure_name(arguments.figure)
+    outcome, figure = arguments.outcome, arguments.figure and _figure(arguments.figure)
     if outcome is not None:
         check_name(outcome, _OUTCOMES, "outcome")
     if arguments.starts and figure:
@@ -91,6 +92,10 @@ def _runs(arguments: argparse.Namespace) -> int:
     print("\n".join(table([_run_line(run) for run in found], _RUN_COLUMNS)))
     print(f"{len(found)} runs")
     return 0
+
+
+def _figure(text: str) -> str:
+    return figure_name(text, load_study(study_path()))
 
 
 _RUN_COLUMNS = (

@@ -6,7 +6,7 @@ states its reason and its size.
 """
 
 import shutil
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -20,7 +20,6 @@ from model.engine.tolerances import Compared
 from model.events.outcomes import Reason
 from model.sweeps.files import atomic_write, write_text
 from model.sweeps.io import read_dataset
-from study.config.figures import COMPUTED, SCHEMATICS
 from study.csv_tables import csv_text
 from study.tracking import TrackingError
 from study.tracking.checkout import git_state
@@ -143,8 +142,11 @@ def _place(dataset: "xr.Dataset", mask: NDArray[np.bool_]) -> str:
     return ", ".join(f"{name} = {dataset[name].values[i]:g}" for name, i in named) or "the run"
 
 
-def verify(root: Path, reference: Path, figures: Sequence[str] = COMPUTED) -> list[Disagreement]:
-    """Return the differences of a build from the reference that are not allowed."""
+def verify(root: Path, reference: Path, figures: Sequence[str]) -> list[Disagreement]:
+    """Return the differences of a build from the reference that are not allowed.
+
+    ``figures`` are those with datasets that are compared.
+    """
     findings = []
     for figure in figures:
         accepted, built = reference / f"{figure}.nc", root / "data" / f"{figure}.nc"
@@ -177,18 +179,18 @@ def _claims(accepted: Path, built: Path) -> list[Disagreement]:
 # --- Accepting ----------------------------------------------------------------------------------
 
 
-def accept(root: Path, reference: Path, what: Sequence[str], reason: str) -> list[str]:
+def accept(root: Path, reference: Path, what: Mapping[str, bool], reason: str) -> list[str]:
     """Make results of a build of the small study the reference; return a line for each of them.
 
-    ``what`` are names of figures, and "claims" for the verdicts. The log keeps the reason beside
-    the numbers.
+    ``what`` has the names of figures, and "claims" for the verdicts; True for those that have a
+    dataset. The log keeps the reason beside the numbers.
 
     Raises:
         TrackingError: the reason is not in words, or results are missing.
     """
     if len(reason.split()) < 2:
         raise TrackingError(f"--reason {reason!r}: say in a few words why it is right")
-    sources = {name: _sources(root, name) for name in what}
+    sources = {name: _sources(root, name, computed=computed) for name, computed in what.items()}
     now, commit = datetime.now(UTC).date().isoformat(), git_state().get("commit")
     rows, words = [], []
     for name, files in sources.items():
@@ -206,9 +208,9 @@ def accept(root: Path, reference: Path, what: Sequence[str], reason: str) -> lis
     return words
 
 
-def _sources(root: Path, name: str) -> list[Path]:
+def _sources(root: Path, name: str, *, computed: bool) -> list[Path]:
     """Return the files to copy: a figure's dataset, if it has one, then its picture."""
-    files = [root / "data" / f"{name}.nc"] if name in COMPUTED else []
+    files = [root / "data" / f"{name}.nc"] if computed else []
     files.append(root / CLAIMS if name == "claims" else root / "figures" / f"{name}.png")
     for file in files:
         if not file.is_file():
@@ -229,7 +231,7 @@ def _changes(files: Sequence[Path], reference: Path, name: str) -> list[dict[str
     drawn, kept = files[-1], reference / files[-1].name
     same = kept.is_file() and kept.read_bytes() == drawn.read_bytes()
     picture = [] if same else [{"variable": "picture"}]
-    if name in SCHEMATICS:
+    if built == drawn:
         return picture
     old, new = read_dataset(accepted), read_dataset(built)
     if old["outcome"].dims != new["outcome"].dims:
