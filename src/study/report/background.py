@@ -42,8 +42,8 @@ def section(results: Results) -> Section:
         f"{number(settings.tolerance)} by the method {METHOD}."
     )
     made = (
-        "When, where and at which commit each file was made: runs.csv and history/ beside this "
-        "page, and python -m study runs."
+        "When, where and at which commit each file was made: python -m study runs, "
+        "from history/ beside this page."
     )
     packages = [(name, _CODE.format(version)) for name, version in versions().items()]
     # The hashes do not depend on date, machine or checkout.

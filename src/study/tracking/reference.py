@@ -7,7 +7,7 @@ states its reason and its size.
 
 import shutil
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -25,7 +25,6 @@ from study.tracking import TrackingError
 from study.tracking.checkout import git_state
 from study.tracking.compare import (
     CLAIMS,
-    Change,
     change_of,
     changed_verdicts,
     changes_of,
@@ -37,8 +36,8 @@ if TYPE_CHECKING:
 
 LOG = "accepted.csv"
 LOG_COLUMNS = (
-    "date", "what", "reason", "commit", "variable", "points", "differing", "largest", "at",
-    "before", "after", "appeared", "vanished",
+    "date", "what", "reason", "commit", "changed", "most", "points", "differing", "largest", "at",
+    "before", "after",
 )  # fmt: skip
 
 NEW_SENSITIVE_SHARE = 0.02
@@ -194,10 +193,9 @@ def accept(root: Path, reference: Path, what: Mapping[str, bool], reason: str) -
     now, commit = datetime.now(UTC).date().isoformat(), git_state().get("commit")
     rows, words = [], []
     for name, files in sources.items():
-        changes = _changes(files, reference, name)
         stated = {"date": now, "what": name, "reason": reason, "commit": commit}
-        rows += [{**stated, **change} for change in changes]
-        words.append(f"{name}: {len(changes)} lines in {LOG}")
+        rows.append({**stated, **(changed := _changed(files, reference, name))})
+        words.append(f"{name}: {changed['changed'] or 'nothing'} changed")
         for file in files:
             with atomic_write(reference / file.name) as part:
                 shutil.copyfile(file, part)
@@ -218,33 +216,35 @@ def _sources(root: Path, name: str, *, computed: bool) -> list[Path]:
     return files
 
 
-def _changes(files: Sequence[Path], reference: Path, name: str) -> list[dict[str, Any]]:
-    """Return a row of the log for each change; one row for a result without a reference."""
+def _changed(files: Sequence[Path], reference: Path, name: str) -> dict[str, Any]:
+    """Return what the log says of a result: what has changed, and where it has changed most.
+
+    Of several variables of a dataset the one with most differing points is described.
+    """
     built, accepted = files[0], reference / files[0].name
     if not accepted.is_file():
-        return [{"variable": "(first)"}]
+        return {"changed": "(first)"}
     if name == "claims":
-        return [
-            {"variable": each.name, "before": each.before, "after": each.after}
-            for each in changed_verdicts(accepted, built)
-        ]
+        return {"changed": " ".join(each.name for each in changed_verdicts(accepted, built))}
     drawn, kept = files[-1], reference / files[-1].name
     same = kept.is_file() and kept.read_bytes() == drawn.read_bytes()
-    picture = [] if same else [{"variable": "picture"}]
+    picture = [] if same else ["picture"]
     if built == drawn:
-        return picture
+        return {"changed": " ".join(picture)}
     old, new = read_dataset(accepted), read_dataset(built)
     if old["outcome"].dims != new["outcome"].dims:
-        return [{"variable": "(another grid)"}]
-    return [*map(_log_line, changes_of(old, new, name)), *picture]
-
-
-def _log_line(change: Change) -> dict[str, Any]:
-    line = asdict(change) | {
-        "largest": f"{change.largest:.3g}",
-        "at": " ".join(f"{name}={value:g}" for name, value in change.at.items()),
-        "before": f"{change.before:.9g}",
-        "after": f"{change.after:.9g}",
+        return {"changed": "(another grid)"}
+    changes = changes_of(old, new, name)
+    said = {"changed": " ".join([*(each.variable for each in changes), *picture])}
+    if not changes:
+        return said
+    most = max(changes, key=lambda each: each.differing)
+    return said | {
+        "most": most.variable,
+        "points": most.points,
+        "differing": most.differing,
+        "largest": f"{most.largest:.3g}",
+        "at": " ".join(f"{name}={value:g}" for name, value in most.at.items()),
+        "before": f"{most.before:.9g}",
+        "after": f"{most.after:.9g}",
     }
-    del line["figure"]
-    return line

@@ -172,9 +172,10 @@ def test_accepting_makes_a_red_build_green_and_logs_the_numbers(root: Path, tmp_
     assert verify(root, reference, ["fig06"]) == []
     first, picture, line = log(reference)
     assert tuple(line) == LOG_COLUMNS
-    assert (first["variable"], picture["what"]) == ("(first)", "fig01")
+    assert (first["changed"], picture["what"]) == ("(first)", "fig01")
     assert line["reason"] == "a longer spring"
-    assert (line["variable"], line["differing"], line["largest"]) == ("tau_align", "1", "0.25")
+    assert (line["changed"], line["most"]) == ("tau_align", "tau_align")
+    assert (line["differing"], line["largest"]) == ("1", "0.25")
     assert line["at"] == "tilt_stiffness=4 press_force=3"
 
 
@@ -186,7 +187,7 @@ def test_claims_are_part_of_the_reference(root: Path, tmp_path: Path) -> None:
     assert (finding.variable, finding.words) == ("F5a", "reproduced became contradicted")
     accept(root, reference, {"claims": False}, "read again in the paper")
     assert verify(root, reference, ["fig06"]) == []
-    assert log(reference)[-1]["after"] == "contradicted"
+    assert log(reference)[-1]["changed"] == "F5a"
     (root / "claims.csv").unlink()
     assert "is missing" in verify(root, reference, ["fig06"])[0].words
 
