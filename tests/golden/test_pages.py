@@ -4,10 +4,12 @@ A command, an option or a page that is added is found here: it has no line in th
 """
 
 import argparse
+import os
 import re
 import shlex
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -81,7 +83,7 @@ def test_runs_of_a_figure_are_its_own(capsys: Any, results: Path) -> None:
 # The test that walks each page; those of other files by their path.
 WALKED = {
     "accept-a-change": "test_a_page_of_commands",
-    "add-a-claim": "tests/study/test_claims.py",
+    "add-a-claim": "test_an_entry_is_added_as_the_page_says",
     "add-a-contact": "tests/model/events/test_insertion.py",
     "add-a-figure": "test_a_figure_is_added_as_the_page_says",
     "add-a-force": "tests/test_tables.py",
@@ -107,7 +109,9 @@ def blocks(page: str, language: str) -> list[str]:
     return [text for kind, text in found if kind == language]
 
 
-@pytest.mark.parametrize("page", [name for name, walk in WALKED.items() if "commands" in walk])
+@pytest.mark.parametrize(
+    "page", [name for name, walk in WALKED.items() if walk == "test_a_page_of_commands"]
+)
 def test_a_page_of_commands(
     copy_of_built: Any, capsys: Any, monkeypatch: pytest.MonkeyPatch, page: str
 ) -> None:
@@ -157,3 +161,59 @@ def test_a_figure_is_added_as_the_page_says(copy_of_built: Any, tiny: dict[str, 
     assert (made.folder / "tiny/figures/fig13_histogram.png").is_file()
     assert (made.folder / "tiny/figures/fig15.pdf").is_file()
     assert 'id="fig15"' in (made.folder / "tiny/report.html").read_text(encoding="utf-8")
+
+
+# --- One change, few files ----------------------------------------------------------------------
+
+
+def in_a_copy(folder: Path, edits: dict[str, tuple[str, str]], program: str) -> str:
+    """Return what a program prints that runs on a copy of the sources with an edit a file."""
+    shutil.copytree(PROJECT / "src", folder / "src", ignore=shutil.ignore_patterns("__pycache__"))
+    for file, (old, new) in edits.items():
+        text = (PROJECT / file).read_text(encoding="utf-8")
+        assert old in text
+        (folder / file).parent.mkdir(parents=True, exist_ok=True)
+        (folder / file).write_text(text.replace(old, new, 1), encoding="utf-8")
+    paths = {"PYTHONPATH": os.pathsep.join([str(folder / "src"), str(folder)])}
+    run = subprocess.run(
+        [sys.executable, "-c", program], cwd=folder, env={**os.environ, **paths},
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert run.returncode == 0, run.stderr
+    return run.stdout
+
+
+def test_an_entry_is_added_as_the_page_says(tmp_path: Path) -> None:
+    """Three files: its statement, its check, and figures against it."""
+    (stated,), (check,) = (blocks("add-a-claim", each) for each in ("yaml", "python"))
+    stated = re.sub("^", "  ", stated.replace("L24", "L99").rstrip(), flags=re.MULTILINE)
+    _, function = check.replace("def l24", "def l99").split("\n\n\n")
+    edits = {
+        "src/study/claims/claims.yaml": ("entries:\n", f"entries:\n{stated}\n"),
+        "src/study/claims/checks.py": ("\n\n\ndef l01", f"\n\n\n{function}\n\n\ndef l01"),
+        "tests/study/made.py": (
+            '    "L24": [', '    "L99": [made("fig12", lambda _, f: 30.0 - f)],\n    "L24": ['
+        ),
+    }  # fmt: skip
+    assert len(edits) == 3
+    told = in_a_copy(
+        tmp_path,
+        edits,
+        "from study.claims import CLAIMS, judge\n"
+        "from tests.study.made import WORLD, WRONG\n"
+        "for figures in (WORLD, {**WORLD, 'fig12': WRONG['L99'][0]}):\n"
+        "    print(*(found.verdict for claim, found in judge(figures) if claim.id == 'L99'))\n",
+    )
+    assert told.splitlines() == ["shown", "not shown"]
+
+
+def test_a_unit_is_a_line_in_one_file(tmp_path: Path) -> None:
+    table = "_SPELLINGS: tuple[tuple[str, str, str], ...] = (\n"
+    row = '    (r"\\bponds?\\b", "gram_force", "N"),\n'
+    told = in_a_copy(
+        tmp_path,
+        {"src/vibralign/device/spelling.py": (table, table + row)},
+        "from vibralign.device.amounts import read_amount\n"
+        "print(read_amount('press_force', '200 ponds', 'N').value)\n",
+    )
+    assert float(told) == pytest.approx(0.2 * 9.80665)
