@@ -11,7 +11,7 @@ from study.claims import CLAIMS, figure_of
 from study.claims.ledger import Line, read_ledger
 from study.claims.regime import Regime, regime_of
 from study.report.figures import HEAD, Counts, article, counts_of
-from study.report.ledger import SIGNS, conclusions, count
+from study.report.ledger import SIGNS, conclusions, count, held_out
 from study.report.section import Results, Section, Table, link
 from vibralign.plots.words import figure_number, figure_title, percent, short
 
@@ -54,6 +54,7 @@ def section(results: Results) -> Section:
     ranked = _ranked(lines)
     content = {
         "findings": findings,
+        "held_out": held_out(results),
         "alike": ranked[:_SHOWN],
         "unlike": ranked[-_SHOWN:],
         "figures": Table(
