@@ -33,8 +33,7 @@ EDIT = ("\nfrom ", "\nEDITED = True\nfrom ")
 
 # (file, what stands there, what an edit puts there, the rules that must run again)
 EDITS = [
-    ("src/model/physics/forces.py", "return -p.press_force", "return -1.01 * p.press_force",
-     {*KERNELS, *COMPUTED}),
+    ("src/model/engine/step.py", *EDIT, {*KERNELS, *COMPUTED}),
     ("verification/bench/methods/by_hand.py", *EDIT, {"unlocated_kernels", *METHODS}),
     ("src/study/claims/claims.yaml", "the regime is non-impact", "contact is kept",
      {"cases", *JUDGED}),
@@ -122,8 +121,16 @@ def test_no_job_runs_again_after_edits_on_which_none_depends(project: Any) -> No
         assert project.planned() == set()
 
 
-def test_another_limit_stops_the_build_with_the_command_that_mends_it(project: Any) -> None:
-    with edited(project, "src/study/claims/claims.yaml", "most: 0.25", "most: 0.2"):
+@pytest.mark.parametrize(
+    "edit",
+    [("src/study/claims/claims.yaml", "most: 0.25", "most: 0.2"),
+     ("src/model/physics/forces.py", "return -p.press_force", "return -1.01 * p.press_force")],
+    ids=["limit", "equation"],
+)  # fmt: skip
+def test_another_limit_or_equation_stops_the_build_with_the_command_that_mends_it(
+    project: Any, edit: tuple[str, str, str]
+) -> None:
+    with edited(project, *edit):
         run = project.dry_run()
     assert run.returncode != 0
     assert "draw the random devices anew: make null" in run.stdout + run.stderr
