@@ -16,7 +16,7 @@ import numpy as np
 
 from vibralign import load_device, reliable_at
 
-stated = load_device("peg.yaml").changed(vibrator="running", approach_speed="10 mm/s")
+stated = load_device("peg.yaml").changed(vibrator="still", approach_speed="10 mm/s")
 planes = {  # quantities with their symbols and ranges, in mm, N and Hz
     "misalignment": (np.linspace(0.25, 2.0, 12), "press_force", "N", np.linspace(1.0, 25.0, 12)),
     "amplitude": (np.linspace(0.1, 3.0, 12), "frequency", "Hz", np.linspace(5.0, 150.0, 12)),
