@@ -70,7 +70,7 @@ KINDS = (
     "Parameters", "Batch", "StatedDevice", "Variants", "Outcome", "Reason", "Scene", "printed",
     "mine",
     "Settings", "insertion", "Trajectory", "short", "Alignments", "Yield", "results", "no bound",
-    "Design", "Assessment",
+    "Design", "Calibration", "Assessment",
 )  # fmt: skip
 VALUES: list[Any] = []  # filled by the first test
 
