@@ -60,6 +60,12 @@ def test_a_range_stands_apart_and_has_a_middle(tmp_path):
     assert set(known.tolerances) == {"friction", "misalignment"}
 
 
+def test_a_value_that_is_left_blank_may_be_unknown(tmp_path):
+    blank = PART.replace("mass: 0.3 kg\n", "mass: 0.3 kg\nfriction:\nlateral_frequency:\n")
+    device = load_device(device_file(tmp_path, blank))
+    assert device.unknown.keys() == {"friction", "lateral_stiffness"}
+
+
 # What stands below the lines of PEG, and what the refusal must hold.
 REFUSED = [
     ("unknown: {friction: 0.2}", ["unknown: friction = '0.2'", "must be a range"]),
