@@ -63,7 +63,7 @@ class Effort(Strict):
     limited: bool
     """Keep the limits of the regime."""
     start: Literal["simultaneous", "pressed"]
-    """How press and vibration set in."""
+    """Start: press and vibration set in together, or one after the other."""
     drawn: int = Field(ge=2)
     """Structures drawn from the priors."""
     moved: int = Field(ge=0)

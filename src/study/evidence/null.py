@@ -1,4 +1,4 @@
-"""What random devices show of the list: their verdicts are stored beside this module.
+"""Random devices, and what they show of the list: their verdicts are stored beside this module.
 
 Nobody searched for these devices. Drawing and judging them takes minutes, so that it is done once
 for priors, list and grid, by ``make null``; the key of the three stands in the file. Other physics
@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from model.compile.outline import outline
 from model.sweeps.axes import Plan
 from model.sweeps.sweep import Sweep
 from study.claims import checks, data, locked, measures
@@ -24,6 +23,7 @@ from study.claims.ledger import VERDICTS, judge
 from study.config.identification import Grid
 from study.identification.batch import figures_of
 from study.identification.space import Space, space_of
+from study.outline import outline
 
 if TYPE_CHECKING:
     from study.config.study import Study

@@ -103,7 +103,7 @@ class Choice:
 
     @cached_property
     def _alone(self) -> Mapping[str, NDArray[np.float64]]:
-        """What each operating point of a figure is worth by itself, shape (points,)."""
+        """Return what each operating point of a figure is worth by itself, shape (points,)."""
         return {
             name: np.array([
                 sum(self._worth(c, {name: row}) for c in self.claims if c.figures == (name,))

@@ -187,7 +187,7 @@ class StatedDevice(Value):
 
     @property
     def stated_start(self) -> dict[str, float | str]:
-        """What states its start, as ``changed`` takes it."""
+        """Return what states its start, as ``changed`` takes it."""
         speed = SUDDEN if self.sudden else self.quantities.get(SPEED)
         stated = {SPEED: speed, "vibrator": self.vibrator}
         return {name: each for name, each in stated.items() if each is not None}
