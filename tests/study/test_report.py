@@ -235,6 +235,7 @@ def test_a_table_for_each_error_has_a_row_for_every_case_and_a_column_for_every_
     text = plain(part)
     words = "RK4, fixed steps: keeps 10⁻⁵ in 1 of 2 cases judged by the independent solution"
     assert f"{words}, and in 0 of 1 cases judged by our own engine." in text
+    assert "0 of 0" not in text, "a method that runs no case of a judge has no number there"
     assert text.count("base ka = 100, ha = 0horizon reached10⁻¹²8") == 2
     assert "error 3 × 10⁻⁴" in text
     overturning = "tilt through 90°left scene10⁻¹²8right outcome"

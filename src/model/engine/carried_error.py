@@ -25,7 +25,7 @@ from model.engine.workspace import (
     store_state_in_lane,
 )
 from model.events.friction import hold_sticking, without_slip
-from model.events.kernels import kind_of_level, level
+from model.events.kernels import kind_of, level
 from model.events.table import OF_LENGTH
 from model.physics.modes import CLOSED, STICKING
 from model.physics.motion import is_beside, is_supported
@@ -162,7 +162,7 @@ def apply_saltation(events, which, q, rates, before, runs, i):
     size = size_of(error)
     if not 0.0 < size < inf or _has_the_same_forces(before, after):
         return
-    if _is_continuous(kind_of_level(events, which), before, after):
+    if _is_continuous(kind_of(events, which), before, after):
         return
     rates_after = rates_at(time, q, p, after)
     unit = moved(STILL, 1.0 / size, error)

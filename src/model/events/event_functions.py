@@ -28,14 +28,14 @@ LARGEST_TILT = 0.5 * pi - 1e-3  # just below 90 degrees, where the paper's arm q
 def largest(quantities):
     """Return (largest of four, its index)."""
     a, b, c, d = quantities
-    value, index = a, 0.0
+    value, place = a, 0.0
     if b > value:
-        value, index = b, 1.0
+        value, place = b, 1.0
     if c > value:
-        value, index = c, 2.0
+        value, place = c, 2.0
     if d > value:
-        value, index = d, 3.0
-    return value, index
+        value, place = d, 3.0
+    return value, place
 
 
 @inlined_kernel

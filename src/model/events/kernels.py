@@ -264,7 +264,7 @@ def transition(events, which, time, q, p, mode, declared):
 
 
 @inlined_kernel
-def kind_of_level(events, which):
+def kind_of(events, which):
     """Return how the level of the event ``which`` depends on the state: see ``Event.kind``."""
     for each in events.all:
         if which == each.number:

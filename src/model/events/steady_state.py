@@ -10,7 +10,7 @@ that the rest of the transient admits.
 
 from model.compile.kernels import inlined_kernel, kernel
 from model.events.event_functions import NEVER
-from model.events.kernels import kind_of_level
+from model.events.kernels import kind_of
 from model.events.table import OF_FRICTION, OF_LOAD
 from model.physics.notation import STATE_SIZE, State
 
@@ -157,10 +157,7 @@ def _no_event_follows(events, count, n, reach, lowest, p):
     for i in range(n):
         for which in range(events.count):
             distance = lowest[(count - i) % LONGEST_PERIOD, which]
-            if (
-                distance != NEVER
-                and _SAFETY * _change(kind_of_level(events, which), reach, p) > distance
-            ):
+            if distance != NEVER and _SAFETY * _change(kind_of(events, which), reach, p) > distance:
                 return False
     return True
 

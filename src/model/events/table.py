@@ -168,10 +168,10 @@ def _corner_first(edge, at, p, mode):
 
     A part that is flat, to ``FLAT``, meets both together: then the edge carries it.
     """
-    _, first = functions.largest(functions.corner_off_wall(edge, at, p, mode))
+    _, place = functions.largest(functions.corner_off_wall(edge, at, p, mode))
     outside = functions.tips_outside if p.is_round else functions.edge_outside
     gap, _ = functions.largest(outside(edge, at, p, mode))
-    return first == 0.0 or gap > functions.ON_AN_EVENT + 2.0 * functions.FLAT * p.half_width
+    return place == 0.0 or gap > functions.ON_AN_EVENT + 2.0 * functions.FLAT * p.half_width
 
 
 _right_corner_first, _left_corner_first = sources.on_both_sides(_corner_first)

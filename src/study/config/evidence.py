@@ -1,4 +1,4 @@
-"""Worth of the verdicts: random devices, other assumptions, other devices."""
+"""Evidence beside the verdicts: random devices, other assumptions, other devices."""
 
 from typing import Any
 

@@ -12,7 +12,7 @@ from study.claims.ledger import Line, read_ledger
 from study.claims.regime import Regime, regime_of
 from study.config.figures import MAPS
 from study.report.figures import HEAD, Counts, article, counts_of
-from study.report.ledger import SIGNS, conclusions, count
+from study.report.ledger import SIGNS, conclusions, count, held_out
 from study.report.section import Results, Section, Table, link
 from vibralign.plots.words import figure_number, figure_title, percent, short
 
@@ -55,6 +55,7 @@ def section(results: Results) -> Section:
     ranked = _ranked(lines)
     content = {
         "findings": findings,
+        "held_out": held_out(results),
         "alike": ranked[:_SHOWN],
         "unlike": ranked[-_SHOWN:],
         "figures": Table(
