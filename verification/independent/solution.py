@@ -373,7 +373,7 @@ class Run:
         pulls = "contact_damping_law" in self.device.printed and self.device.p.contact_damping > 0.0
         return (
             _with(mode, what, "released")
-            if pulls and self.device.touch(what, mode, at).load < 0.0
+            if pulls and self.device.touch(what, mode, at).load <= _NO_LOAD
             else mode
         )
 

@@ -217,7 +217,7 @@ def test_rates_in_a_step_are_those_of_the_motion(shape: str, support: int, side:
         length = step.w[workspace.STEP_LENGTH, lane]
         for theta in (0.0, 0.4, 1.0):
             q = State(*step.at(theta * length, lane)[:6].tolist())
-            found = rates_in_step(q, theta, step.w.reshape(-1), lane)
+            found = rates_in_step(q, theta, step.w, lane)
             at = motion(0.3 + theta * length, q, step.constants(lane), step.mode(lane))
             expected = (q.x_rate, q.y_rate, q.tilt_rate, at.x, at.y, at.tilt)
             assert found == pytest.approx(expected, rel=1e-9, abs=1e-9)
