@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from study.claims import CLAIMS, figure_of
 from study.claims.ledger import Line, read_ledger
 from study.claims.regime import Regime, regime_of
-from study.config.figures import MAPS
 from study.report.figures import HEAD, Counts, article, counts_of
 from study.report.ledger import SIGNS, conclusions, count, held_out
 from study.report.section import Results, Section, Table, link
@@ -39,7 +38,7 @@ def section(results: Results) -> Section:
     counts = counts_of(results)
     regimes = {name: regime_of(figure_of(each.dataset)) for name, each in counts.items()}
     lines = read_ledger(results.file("claims.csv"))
-    reliable = {name: _reliable(results, counts[name]) for name in MAPS}
+    reliable = {name: _reliable(results, counts[name]) for name in results.study.named("map")}
     goes_in = {name: each.share_of("insertion", "inserted") for name, each in counts.items()}
     of = conclusions(lines)
     findings = [
