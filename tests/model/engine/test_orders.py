@@ -80,5 +80,6 @@ def test_two_orders_agree(tmp_path: Path, scene: str, shape: str, sets: int) -> 
         estimate = (one[error] + other[error])[certain]
         timed = np.isfinite(apart)
         np.testing.assert_array_equal(timed, np.isfinite(one[time][certain]))
+        assert timed.any() or time == "tau_inserted"  # of the insertion scene only
         assert (apart <= MARGIN * estimate)[timed].all()
-        assert (apart <= estimate)[timed].mean() >= 0.95 or not timed.any()
+        assert (apart > estimate)[timed].sum() <= 0.05 * timed.sum()
