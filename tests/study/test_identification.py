@@ -166,7 +166,7 @@ def test_entries_held_out_judge_no_set_but_are_told(space, study) -> None:
               for name in space.figures}  # fmt: skip
     none, one, other, both = (
         Choice(space, space.problem.limits, structure, points, TINY, entries=entries)
-        for entries in ([], ["L30"], ["L22"], ["L30", "L22"])
+        for entries in ([], ["L01"], ["L12"], ["L01", "L12"])
     )
     for row in range(2):
         limits, first, second, together = (

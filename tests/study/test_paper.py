@@ -57,15 +57,16 @@ def test_the_page_counts_what_random_devices_show(study) -> None:
         assert found.shares[entry] <= 0.05
 
 
-def test_the_page_counts_what_the_device_without_limits_shows(study) -> None:
-    space, grid = space_of(study), study.evidence.grid
-    device = study.evidence.others["unlimited"]
+def test_the_page_counts_what_other_devices_show(study) -> None:
+    space, grid, others = space_of(study), study.evidence.grid, study.evidence.others
     pressed = space.settings.model_copy(update={"start": "pressed"})
-    counts = [
-        int((verdicts_of(each, [device], grid)[0] == VERDICTS.index("shown")).sum())
-        for each in (space, space.model_copy(update={"settings": pressed}))
-    ]
-    assert f"shows {counts[1]} entries in place\n  of {counts[0]} on the grid" in PAGE
+    then_vibrated = space.model_copy(update={"settings": pressed})
+    narrow, wide, later = (
+        int((verdicts_of(each, [others[name]], grid)[0] == VERDICTS.index("shown")).sum())
+        for each, name in ((space, "narrow"), (space, "unlimited"), (then_vibrated, "unlimited"))
+    )
+    assert f"shows {later} entries in place\n  of {wide} on the grid" in PAGE
+    assert f"so shows {narrow} entries on the grid" in PAGE
 
 
 def test_the_page_lists_the_limits_that_are_missed(study, regimes) -> None:
