@@ -69,6 +69,20 @@ def test_the_page_counts_what_other_devices_show(study) -> None:
     assert f"so shows {narrow} entries on the grid" in PAGE
 
 
+def test_the_page_counts_what_the_search_by_half_of_the_entries_shows(study) -> None:
+    random = stored_null(null_plan(study)).verdicts == 0
+    device, judged = study.evidence.others["odd"], study.identification.searches["odd"].entries
+    shown = verdicts_of(space_of(study), [device], study.evidence.grid)[0] == 0
+    unseen = np.array([claim.id not in judged for claim in CLAIMS])
+    count = shown[unseen].sum()
+    assert f"shows {count} of the {unseen.sum()} entries held out" in PAGE
+    assert f"shows only {shown[~unseen].sum()} of the {(~unseen).sum()} that it judged" in PAGE
+    usual = np.median(random[:, unseen].sum(axis=1))
+    as_many = (random[:, unseen].sum(axis=1) >= count).mean()
+    words = f"random devices show {usual:g} of them in the\nmedian, and {as_many:.0%} show as many"
+    assert words.replace("%", " %") in PAGE
+
+
 def test_the_page_lists_the_limits_that_are_missed(study, regimes) -> None:
     limits = study.identification.limits
     of = {
