@@ -12,7 +12,7 @@ from model.sweeps.settings import Ensemble, RunSettings
 from model.sweeps.sweep import merge, run
 from model.sweeps.version import version
 from vibralign.answers.assumptions import source_words
-from vibralign.answers.maps import QuantityAxis, map_of
+from vibralign.answers.maps import QuantityAxis, in_every_case, map_of
 from vibralign.device import StatedDevice
 from vibralign.plots.device_sheet import render
 
@@ -37,9 +37,11 @@ def write_sheet(
     settings = replace(settings, tolerance=max(settings.tolerance, _TOLERANCE))
     names = dict.fromkeys((*stated.free, *_AXES))
     x, y = (_axis(stated, name) for name in list(names)[:2])
-    sweep = map_of(stated, RunSettings.of(settings), (x, y), Ensemble())
+    ensemble, cores = Ensemble(), os.cpu_count() or 1
+    sweep = map_of(stated, RunSettings.of(settings), (x, y), ensemble)
     title = f"Area of stable alignment over {x.parameter} and {y.parameter}"
-    dataset = merge(sweep, title, [run(sweep, cores=os.cpu_count() or 1)])
+    dataset = merge(sweep, title, [run(sweep, cores=cores)])
+    dataset = in_every_case(dataset, stated, settings, ensemble, cores)
     made_by = f"{source_words(stated)}; vibralign {version()}"
     course = simulate_once(stated.parameters, settings)
     write_text(render(stated, verdict, groups, course, dataset, made_by), path)
