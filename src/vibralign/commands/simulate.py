@@ -79,7 +79,8 @@ def _simulate(arguments: argparse.Namespace) -> int:
         lines += lever_words(parameters, settings, units)
         lines += wall_words(parameters, settings, run.tilt_max, units)
         lines.append(natural_words(parameters, units))
-        lines += [unvibrated_words(parameters, settings), *lines_of(assumed)]
+        lines.append(f"without vibration: {unvibrated_words(parameters, settings)}")
+        lines += lines_of(assumed)
         if units and arguments.dimensionless:
             one = f"one is {units.time:.4g} s, {units.amplitude:.4g} m, {units.force:.4g} N"
             lines += ["", "dimensionless:", *_report(run, None, settings, into)[1:], one]
