@@ -249,8 +249,8 @@ def _not_stated(result: "Assessment", stated: StatedDevice) -> str:
         return words
     spread = {name: _spread(each) for name, each in tried.items()}
     first = max(spread, key=lambda name: spread[name])
-    turns = "it turns the verdict" if spread[first][0] > 0.0 else "it changes the force most"
-    return f"{words}; state {first} first: {turns}"
+    turns = "turns the verdict" if spread[first][0] > 0.0 else "changes the force most"
+    return f"{words}; state {first} first, which {turns}"
 
 
 def _spread(verdicts: Sequence[Verdict]) -> tuple[float, float]:

@@ -82,7 +82,8 @@ def report(answer: Answer) -> list[str]:
     if answer.assessed.change:
         words = f"{named_words(answer.assessed.change, stated)}: with it, it is reliable (tried)"
         lines.append(_line("first to change", words))
-    words = f"{margin:.3g} tolerances away" if margin < 3.0 else "none within three tolerances"
+    words = f"with deviations of {margin:.3g} times the tolerances"
+    words = words if margin < 3.0 else "none within three times the tolerances"
     lines += [_line("nearest failure", words), *_largest(answer)]
     if "vibration" in design.limits:
         share, asked = tried.measures["vibration"][best], _asked(design.limits["vibration"])

@@ -7,6 +7,7 @@ from model.physics.parameters import Parameters
 from model.physics.quantities import ANGLE, FORCE, SPEED, STIFFNESS, TIME
 from model.physics.units import Units
 from vibralign.answers import si
+from vibralign.answers.forces import forces_words
 from vibralign.answers.lever import lever_words, wall_words
 from vibralign.answers.sheet import value_words
 from vibralign.commands.tables import in_columns
@@ -30,6 +31,8 @@ def verdict_lines(
         landed = f"touches down at up to {speed}" if result.impact_speed else "touches down no more"
         hops = f"{hops}; {landed}"
     lines = [_line("lift-offs", hops)]
+    if result.forces:
+        lines.append(_line("forces at most", forces_words(result.forces, units, settings)))
     lines.append(
         _line("largest tilt", f"{si.in_words(result.tilt_max, ANGLE, units)}, until aligned")
     )

@@ -1,6 +1,7 @@
 """What ``vibralign assess`` writes of a device: its page (--sheet) and its map (--plot)."""
 
 import os
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -19,6 +20,7 @@ from vibralign.answers.leeways import ADDED, moved
 from vibralign.answers.maps import QuantityAxis, map_of
 from vibralign.answers.sheet import deciding
 from vibralign.device import StatedDevice
+from vibralign.doubts import DoubtWarning
 from vibralign.plots.device_sheet import device_map, render
 from vibralign.plots.style import write
 
@@ -43,25 +45,26 @@ def write_sheet(
     The map is over what the file leaves free, then over what decides.
     """
     settings = replace(settings, tolerance=max(settings.tolerance, _TOLERANCE))
-    dataset = _map(stated, [*stated.free, *deciding(result)], result, settings)
+    lowered = stated.lowered(result.worst)
+    dataset = _map(lowered, [*stated.free, *deciding(result)], settings)
     made_by = f"{source_words(stated)}; vibralign {version()}"
     course = simulate_once(stated.parameters, settings)
-    write_text(render(stated, verdict, groups, course, dataset, made_by), path)
+    write_text(render(lowered, verdict, groups, course, dataset, made_by), path)
 
 
 def write_plot(path: Path, stated: StatedDevice, result: Assessment, settings: Settings) -> None:
     """Draw what goes in over the two quantities that decide, with the stated point."""
     settings = replace(settings, tolerance=max(settings.tolerance, _TOLERANCE))
-    write(device_map(stated, _map(stated, deciding(result), result, settings)), path)
+    lowered = stated.lowered(result.worst)
+    write(device_map(lowered, _map(lowered, deciding(result), settings)), path)
 
 
-def _map(
-    stated: StatedDevice, names: Sequence[str], result: Assessment, settings: Settings
-) -> xr.Dataset:
-    """Return a map over the first two of these quantities."""
-    stated = stated.lowered(result.worst)
+def _map(stated: StatedDevice, names: Sequence[str], settings: Settings) -> xr.Dataset:
+    """Return a map over the first two of these quantities, without doubts of its far ends."""
     x, y = (_axis(stated, name) for name in list(dict.fromkeys((*names, *_AXES)))[:2])
-    sweep = map_of(stated, RunSettings.of(settings), (x, y), Ensemble())
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DoubtWarning)
+        sweep = map_of(stated, RunSettings.of(settings), (x, y), Ensemble())
     title = f"What goes in, over {x.parameter} and {y.parameter}"
     return merge(sweep, title, [run(sweep, cores=os.cpu_count() or 1)])
 

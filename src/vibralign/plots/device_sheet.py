@@ -132,8 +132,9 @@ def device_map(stated: StatedDevice, dataset: xr.Dataset) -> Figure:
     figure = stability_map(dataset)
     axes, drawn = figure.axes[0], readable(dataset)
     values: Mapping[str, float] = {**stated.values, **stated.quantities}
+    y_name, x_name = map(str, dataset["outcome"].dims)
     places = []
-    for name in reversed([*map(str, dataset["outcome"].dims)]):
+    for name in (x_name, y_name):
         one = float(drawn[name][-1] / dataset[name][-1])
         own, tolerance = values[name], stated.tolerances.get(name)
         wide = 0.0 if tolerance is None else tolerance.around(own)
@@ -142,4 +143,9 @@ def device_map(stated: StatedDevice, dataset: xr.Dataset) -> Figure:
     look: Any = {"fill": False, "edgecolor": style.VERMILLION, "linewidth": 1.5}
     axes.add_patch(Rectangle((left, bottom), wide, high, **look))
     axes.plot(x, y, "P", color=style.VERMILLION, markersize=8, markeredgecolor="white")
+    for set_label, each in ((axes.set_xlabel, x_name), (axes.set_ylabel, y_name)):
+        unit = str(drawn[each].attrs["units"]).replace("radian", "rad")
+        set_label(f"{each.replace('_', ' ')} ({unit})".removesuffix(" (1)"))
+    start = f"lowered {stated.approaches()[0]}" if stated.approaches() else "sudden start"
+    axes.set_title(f"{stated.source.name}, {start}; cross: as stated, box: its tolerances")
     return figure

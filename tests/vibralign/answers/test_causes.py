@@ -35,7 +35,7 @@ def test_a_part_that_hardly_slips_sticks_on_its_edge_or_on_the_rim():
         assert share == pytest.approx(100.0 * run.sticking_share, abs=0.06)
     words = cause_of(square, "square").words
     friction = math.degrees(math.atan(0.9))
-    assert f"against a friction angle of {friction:.2g}°" in words
+    assert f"by friction it slides only from {friction:.2g}° on" in words
     assert f"tilted by at most {math.degrees(square.tilt_max):.2g}°" in words
 
 

@@ -10,12 +10,13 @@ import pytest
 from model.sweeps.settings import Ensemble
 from vibralign import INSERTION, Settings
 from vibralign.answers import assess, leeways
-from vibralign.answers.assess import Assessment, BaseVerdict
+from vibralign.answers.assess import Assessment
 from vibralign.answers.assumptions import assumptions
 from vibralign.answers.cases import cases_of
 from vibralign.answers.leeways import Leeway, Nearest
 from vibralign.answers.reliability import run_devices
 from vibralign.answers.si import named_words
+from vibralign.answers.verdicts import Base, Verdict
 from vibralign.answers.yields import drawn
 from vibralign.commands import main as cli
 from vibralign.device import StatedDevice, load_device
@@ -29,40 +30,48 @@ BASE = ["--set", "contact_stiffness=300 kN/m"]  # as the model takes it where it
 
 
 def said(capsys, *arguments: str, code: int = cli.DONE) -> str:
-    """Run the command, and return what it prints."""
-    assert cli.main(["assess", *arguments]) == code
+    """Run the command, and return what it prints with all details."""
+    assert cli.main(["assess", "--details", *arguments]) == code
     return capsys.readouterr().out
+
+
+def row(said: str, label: str) -> str:
+    """Return the words of a row of the sheet."""
+    return next(line[16:] for line in said.splitlines() if line.startswith(f"{label:<16}"))
 
 
 def given(monkeypatch, **changed) -> None:
     """Let every device be found so: reliable from 32 starts, but for what is changed."""
     usual = {"starts": 32, "aligned": 32, "tau_best": 2.0, "tau_worst": 3.0, "failing_start": None}
     found = Assessment(**usual | changed)
-    monkeypatch.setattr(assess, "assess", lambda *_, **__: found)
+    monkeypatch.setattr(assess, "assess", lambda device, *_, **__: replace(found, device=device))
 
 
 def test_a_device_in_si_units_is_assessed_in_si_units(capsys, monkeypatch):
     monkeypatch.setattr(leeways, "VARIED", ("press_force",))
     monkeypatch.setattr(leeways, "UNITS", ())
-    lines = said(capsys, "--device", PEG, *IN_SECONDS, *BASE).splitlines()
-    assert lines[0] == f"device          {PEG}, with contact_stiffness=300 kN/m"
-    words = "verdict         reliable at the stated values; no tolerances are stated"
-    assert lines[1] == words
-    assert lines[2].split() == ["starts", "goes", "in", "from", "48", "of", "48", "starts"]
-    assert re.fullmatch(r"alignment time  [\d.]+ to [\d.]+ ms, by the start", lines[3])
-    assert re.fullmatch(r"inserted after  [\d.]+ to [\d.]+ ms", lines[4])
-    assert re.match(r"lift-offs       0 to 1; touches down at up to [\d.]+ mm/s", lines[5])
-    assert re.fullmatch(r"at most +contact force [\d.]+ N, tilt .*, over all starts", lines[6])
+    shown = said(capsys, "--device", PEG, *IN_SECONDS, *BASE)
+    part = "square, 10 mm by 40 mm, play 0.4 mm, 0.8 mm beside the hole"
+    assert row(shown, "device") == f"{PEG}, with contact_stiffness=300 kN/m: {part}"
+    assert row(shown, "verdict") == "reliable at the stated values; no tolerances are stated"
+    assert row(shown, "goes in") == "from all 48 touch-downs tried: 3 tilts of the gripper"
+    times = r"[\d.]+ to [\d.]+ ms until aligned, [\d.]+ to [\d.]+ ms until inserted; from the touch"
+    assert re.fullmatch(times, row(shown, "time"))
+    assert re.match(r"[\d.]+ N at the \w+, ", row(shown, "largest force"))
+    assert row(shown, "vibration").startswith("needed: only pressed, it rests on the edge, tilted")
+    open_ones = "gripper_tilt: tried as above; state gripper_tilt first, which "
+    assert row(shown, "not stated") == f"{open_ones}changes the force most"
+    assert re.match(r"0 to 1; touches down at up to [\d.]+ mm/s", row(shown, "lift-offs"))
     places = r"edge [\d.]+ N, corner [\d.]+ N, side [\d.]+ N, wall [\d.]+ N, until inserted"
-    assert re.fullmatch(rf"  of the force  {places}", lines[7])
-    force = next(line for line in lines if line.startswith("  press_force"))
+    assert re.fullmatch(places, row(shown, "forces at most"))
+    force = next(line for line in shown.splitlines() if line.startswith("  press_force"))
     assert force.endswith("its value 10 N")
 
 
 def test_json_holds_everything_in_the_units_of_the_device(capsys, monkeypatch):
     units = load_device(Path(PEG), {}).units
     leeway = Leeway("press_force", 10.0, 3.0, 15.0, False, True)
-    base = BaseVerdict(100.0, 0.8, starts=8, aligned=7, tau_best=2.0, tau_worst=3.0)
+    base = Verdict(Base(100.0, 0.8), starts=8, aligned=7, tau_best=2.0, tau_worst=3.0)
     given(monkeypatch, leeways=(leeway,), bases=(base,))
     record = json.loads(said(capsys, "--device", PEG, "--json"))
     assert record["units"] == "SI"
@@ -71,6 +80,7 @@ def test_json_holds_everything_in_the_units_of_the_device(capsys, monkeypatch):
     assert record["bases"][0]["contact_stiffness"] == pytest.approx(100.0 * 3000.0)
     assert record["leeways"][0]["value"] == pytest.approx(10.0)
     assert record["leeways"][0]["high"] == 15.0
+    assert record["leeways"][0]["as_stated"] == {"value": "10 N", "low": "3 N", "high": "15 N"}
     assert record["natural_frequencies"]["axial"] == pytest.approx(15.915, abs=1e-3)
     assert record["verdict"] == "depends on the base: measure it; no tolerances are stated"
     assert record["assumptions"]["horizon"] == (
@@ -84,46 +94,40 @@ def test_json_holds_everything_in_the_units_of_the_device(capsys, monkeypatch):
 
 
 def test_a_failing_start_is_named_with_a_remedy(capsys):
-    lines = said(
-        capsys, *COARSE, "--set", "tilt_stiffness=2", "--set", "press_force=8"
-    ).splitlines()
-    assert lines[0] == "device          the paper's, dimensionless (no --device)"
-    assert lines[1].startswith("verdict         not reliable at the stated values; ")
-    assert lines[2] == "starts          goes in from 0 of 32 starts"
-    example = next(i for i, line in enumerate(lines) if line.startswith("for example"))
-    assert lines[example] == "for example     phase = 0, initial_tilt = 0.001"
-    assert lines[example + 1].startswith(
-        "cause           it topples or jumps off: the tilt reached"
-    )
-    assert lines[example + 2].startswith("first to change ")
+    shown = said(capsys, *COARSE, "--set", "tilt_stiffness=2", "--set", "press_force=8")
+    assert row(shown, "device") == "the paper's, dimensionless (no --device)"
+    assert row(shown, "verdict").startswith("not reliable at the stated values; ")
+    assert row(shown, "goes in") == "from 0 of 32 touch-downs tried"
+    assert row(shown, "for example") == "phase = 0, initial_tilt = 0.001"
+    assert row(shown, "cause").startswith("it topples or jumps off: the tilt reached")
+    assert row(shown, "first to change")
+    assert row(shown, "reliable with")
 
 
 @pytest.mark.usefixtures("_no_leeways")
 def test_the_yield_of_a_device_that_goes_in_from_no_start_is_said_by_few_devices(capsys):
     device = str(Path(PEG).parent / "devices" / "peg.yaml")
     line = ["--device", device, *IN_SECONDS, "--horizon", "20 ms", "--set", "tilt_stiffness=30"]
-    lines = said(capsys, *line).splitlines()
-    share = "yield 0 % (0 % to 1.478 %, 95 % confidence)"
-    words = f"not reliable at the stated values; {share} under the tolerances"
-    assert lines[1] == f"verdict         {words}"
-    assert lines[2] == "starts          goes in from 0 of 48 starts"
-    end = lines.index("assumed:")
-    assert lines[end + 8].startswith("  tolerances  as stated: ")
-    lines = lines[:end]
-    shown = lines[next(i for i, line in enumerate(lines) if line.startswith("yield")) :]
-    share = share.replace("yield", "yield          ")
-    assert shown[0].startswith(f"{share}: 0 of 256 devices")
-    names = [line.strip().split("  ")[0] for line in shown[1:]]
-    assert names == ["contact force", "at most", "fails nearest"]
-    assert shown[-1].endswith("the device itself is not reliable")
+    shown = said(capsys, *line)
+    share = "0 % (0 % to 1.478 %, 95 % confidence)"
+    words = f"not reliable at the stated values; yield {share} under the tolerances"
+    assert row(shown, "verdict") == words
+    assert row(shown, "goes in").startswith("from 0 of 48 touch-downs tried")
+    assert row(shown, "yield").startswith(f"{share}: 0 of 256 devices")
+    assert not {"fails nearest", "to blame", "alignment time"} & {
+        each[:16].strip() for each in shown.splitlines()
+    }
+    assert "  tolerances  as stated: " in shown
 
 
 def test_an_open_base_decides_the_verdict(capsys, monkeypatch):
     def found(stated, *_, bases):
         assert isinstance(stated, StatedDevice)
         assert not bases
-        verdicts = tuple(BaseVerdict(k, 0.5, 8, 8 if k < 1e4 else 3, 2.0, 3.0) for k in (1e3, 1e5))
-        return Assessment(32, 32, 2.0, 3.0, None, bases=verdicts)
+        verdicts = tuple(
+            Verdict(Base(k, 0.5), 8, 8 if k < 1e4 else 3, 2.0, 3.0) for k in (1e3, 1e5)
+        )
+        return Assessment(32, 32, 2.0, 3.0, None, bases=verdicts, device=stated)
 
     monkeypatch.setattr(assess, "assess", found)
     lines = said(capsys, "--device", PEG).splitlines()
@@ -136,7 +140,7 @@ def test_what_a_stiffer_base_still_changes_is_said(capsys, monkeypatch):
     times = {1e2: 2.0, 1e3: 2.5, 1e4: 2.6}
 
     def stiff(times):
-        bases = tuple(BaseVerdict(k, 0.5, 8, 8, 2.0, worst) for k, worst in times.items())
+        bases = tuple(Verdict(Base(k, 0.5), 8, 8, 2.0, worst) for k, worst in times.items())
         given(monkeypatch, bases=bases)
         return said(capsys, "--device", PEG).partition("stiff bases")[2].partition("\n")[0]
 
@@ -209,10 +213,10 @@ def test_a_limit_of_the_file_is_kept_or_exceeded(capsys, tmp_path):
     words = rf"reliable at the stated values, but exceeds the limit of time \({value} > 5 ms\)"
     words += r" and of vibration \(needed against not needed\)"
     assert re.search(rf"^verdict +{words}; yield 100 %", shown, re.MULTILINE)
-    row = r"  contact_force  limit 90 N +[\d.]+ N as stated +[\d.]+ N of all drawn +kept\n"
-    row += rf"  time           limit 5 ms +{value} as stated +{value} of all drawn +exceeded\n"
-    row += r"  vibration      limit not needed +needed as stated +needed of all drawn +exceeded\n"
-    assert re.search(rf"^limits:\n{row}", shown, re.MULTILINE)
+    lines = r"  contact_force  limit 90 N +[\d.]+ N as stated +[\d.]+ N of all drawn +kept\n"
+    lines += rf"  time           limit 5 ms +{value} as stated +{value} of all drawn +exceeded\n"
+    lines += r"  vibration      limit not needed +needed as stated +needed of all drawn +exceeded\n"
+    assert re.search(rf"^limits:\n{lines}", shown, re.MULTILINE)
     assert "required        50 %: not met, as a limit is exceeded\n" in shown
     record = json.loads(said(capsys, *line, "--json"))
     force, time, _ = record["limits"]

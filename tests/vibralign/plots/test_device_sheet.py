@@ -4,11 +4,15 @@ import re
 from pathlib import Path
 
 from model.runs.settings import Settings
+from vibralign.answers.assess import Assessment
+from vibralign.answers.leeways import Leeway
 from vibralign.commands import sheet
 from vibralign.device import load_device
 
 PEG = Path(__file__).resolve().parents[2] / "square" / "devices" / "peg.yaml"
 VERDICT = ("reliable at the stated values; yield 100 % under the tolerances", True)
+LEEWAY = Leeway("misalignment", 0.6e-3, 0.2e-3, 0.7e-3, False, True, fails_above=0.71e-3)
+RESULT = Assessment(32, 32, 2.0, 3.0, None, leeways=(LEEWAY,))
 GROUPS = {
     "Verdict": ["starts   aligns from 32 of 32 starts", "at most  19 N"],
     "Leeways": ["friction to 0.3"],
@@ -24,7 +28,7 @@ def test_a_sheet_is_self_contained_and_has_the_same_bytes(tmp_path, monkeypatch)
     )
     pages = []
     for name in ("one.html", "two.html"):
-        sheet.write_sheet(tmp_path / name, stated, VERDICT, GROUPS, settings)
+        sheet.write_sheet(tmp_path / name, stated, VERDICT, GROUPS, RESULT, settings)
         pages.append((tmp_path / name).read_bytes())
     assert pages[0] == pages[1]
     page = pages[0].decode()
