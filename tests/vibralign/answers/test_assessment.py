@@ -289,6 +289,8 @@ def test_an_impact_speed_is_that_of_a_fall(device):
     rates = (depth[before + 1] - depth[before]) / (run.time[before + 1] - run.time[before])
     assert impact_speed(run) == pytest.approx(rates.max(), rel=0.2)
     assert impact_speed(simulate(device.replace(press_force=3.0), horizon=0.1)) == 0.0
+    parting = run.state * [1.0, 1.0, 1.0, -1.0, -1.0, -1.0]
+    assert impact_speed(replace(run, state=parting)) == 0.0  # never below
 
 
 def test_reliable_forces_are_asked_in_si_units():

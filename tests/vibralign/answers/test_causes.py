@@ -1,11 +1,13 @@
 """Causes of failures in words: that they are true of the run, for both shapes."""
 
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from model.events.outcomes import Outcome, Reason
 from model.physics.geometry import crescent
 from model.physics.parameters import Batch, RoundConstants
 from model.physics.variants import Variants
@@ -14,6 +16,7 @@ from model.sweeps.settings import Ensemble
 from vibralign import INSERTION, Settings, load_device
 from vibralign.answers.assess import assess
 from vibralign.answers.causes import _lean, cause_of
+from vibralign.commands import main as cli
 
 PEG = Path(__file__).resolve().parents[2] / "square" / "peg.yaml"
 STIFF = {"contact_stiffness": 4.8e6}
@@ -55,6 +58,26 @@ def test_the_angle_of_a_round_part_is_that_of_the_wedge():
     assert found.normal > found.tilt  # near the hole, X > p
     assert found.friction > math.atan(0.4)
     assert found.normal < found.friction  # it sticks
+
+
+@pytest.mark.parametrize("to_the_hole", [True, False])
+def test_a_part_that_moves_away_has_no_share_of_the_way_below_zero(to_the_hole):
+    run = run_of("square", friction=0.9)
+    state = run.state.copy()
+    state[-1, 0] += -0.2 if to_the_hole else 0.2
+    late = {"outcome": Outcome.HORIZON_REACHED, "reason": Reason.NONE, "sticking_share": 0.5}
+    words = cause_of(replace(run, state=state, tau_align=math.nan, **late), "square").words
+    assert ("it has come" if to_the_hole else "it has moved away from the hole, by") in words
+    assert not re.search(r"-[\d.]+ %", words)
+
+
+def test_a_part_that_sticks_is_not_told_to_wait_longer(capsys):
+    sets = ["--set", "friction=0.9", "--set", "contact_stiffness=4.8e6"]
+    given = ["--device", str(PEG), *sets, "--horizon", "0.1 s", "--tolerance", "1e-6"]
+    assert cli.main(["simulate", *given]) == cli.DONE
+    told = capsys.readouterr().out.partition("what to do")[2].partition("\n")[0]
+    assert "a longer horizon does not help" in told
+    assert "raise the horizon" not in told
 
 
 def test_what_is_to_change_first_cures_it_for_both_shapes():

@@ -120,6 +120,19 @@ def test_the_yield_of_a_device_that_goes_in_from_no_start_is_said_by_few_devices
     assert "  tolerances  as stated: " in shown
 
 
+def test_a_sheet_is_short_and_its_words_are_those_of_the_tutorial(capsys, monkeypatch):
+    leeway = Leeway("friction", 0.15, 0.01, 0.2, False, True, fails_above=0.21)
+    base = Verdict(Base(1e3, 0.3), 16, 16, 2.0, 3.0, 1.0, 1.5)
+    given(monkeypatch, leeways=(leeway,), bases=(base, base), unvibrated="rests on the edge")
+    assert cli.main(["assess", "--device", PEG]) == cli.DONE
+    sheet = capsys.readouterr().out
+    assert len(sheet.splitlines()) <= 14
+    assert not re.search(r"\bnan\b|- - -|e[+-]\d\d|-0\.0\b", sheet)
+    assert row(sheet, "fails from") == "friction 0.21 (stated 0.15)"
+    assert row(sheet, "vibration") == "needed: only pressed, it rests on the edge"
+    assert row(sheet, "more").startswith("--details ")
+
+
 def test_an_open_base_decides_the_verdict(capsys, monkeypatch):
     def found(stated, *_, bases):
         assert isinstance(stated, StatedDevice)
@@ -159,7 +172,8 @@ def test_a_yield_is_required_with_confidence(capsys, tmp_path):
     words = "yield           100 % (67.56 % to 100 %, 95 % confidence): 8 of 8 devices"
     assert words in met  # 8 / (8 + 1.96²)
     assert "required        50 %: met" in met
-    assert "required        90 %: not met" in said(capsys, *line, "0.9", code=cli.FAILED)
+    missed = row(said(capsys, *line, "0.9", code=cli.FAILED), "required")
+    assert missed == "90 %: not met, as the yield is too low"
 
 
 def test_a_part_that_never_lands_has_no_speed_of_touching_down(capsys, monkeypatch):
