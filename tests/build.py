@@ -21,15 +21,19 @@ from typing import Any
 import pytest
 import yaml
 
-from study.config import CURVES, MAPS
+from study.config import load_study, study_path
 
 PROJECT = Path(__file__).resolve().parents[1]
 PARTS = ("Snakefile", "Makefile", "workflow", "config", "profiles", "requirements.lock")
+FIGURES = load_study(study_path())
 TINY: dict[str, Any] = {
     "results_root": "tiny",
     "figures": {
-        **{name: {"swept": {"count": 4}, "chunks": 1} for name in CURVES},
-        **{name: {"x": {"count": 4}, "y": {"count": 3}, "chunks": 1} for name in MAPS},
+        **{name: {"swept": {"count": 4}, "chunks": 1} for name in FIGURES.named("curves")},
+        **{
+            name: {"x": {"count": 4}, "y": {"count": 3}, "chunks": 1}
+            for name in FIGURES.named("map")
+        },
         "fig13": {"x": {"count": 4}, "y": {"count": 3}, "chunks": 3},
     },
     "maps": {

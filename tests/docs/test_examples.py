@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from study import __main__ as of_study
-from study.config import FIGURES
+from study.config import load_study, study_path
 from vibralign.answers import leeways
 from vibralign.commands import main as cli
 
@@ -99,7 +99,9 @@ def check_make(words: list[str]) -> None:
     variables = set(re.findall(r"^([A-Z_]+) ", makefile, re.MULTILINE))
     for word in words:
         name, is_variable, _ = word.partition("=")
-        assert name in (variables if is_variable else targets | set(FIGURES)), words
+        assert name in (
+            variables if is_variable else targets | set(load_study(study_path()).figures)
+        ), words
 
 
 @pytest.mark.parametrize("page", PAGES, ids=name_of)

@@ -23,7 +23,7 @@ TINY = Grid(
     tolerance=1e-6,
 )
 EFFORT = {"seed": 5, "half_width": {"low": 0.8, "high": 1.2}, "limited": True,
-          "start": "simultaneous", "drawn": 2, "moved": 1, "refined": 1}  # fmt: skip
+          "drawn": 2, "moved": 1, "refined": 1}  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -150,3 +150,22 @@ def test_the_same_seed_ends_at_the_same_set_within_its_bounds(space) -> None:
     stated = yaml.safe_load(result_text(space, found))
     assert stated["entries"] == len(found.shown) == len(stated["shown"].split())
     assert set(stated["held"]) == set(space.figures)
+
+
+def test_entries_held_out_judge_no_set_but_are_told(space, study) -> None:
+    structure = space.point(own_values(study, space))[space.places["structure"]]
+    random = np.random.default_rng(2)
+    points = {name: random.random((2, space.places[name].stop - space.places[name].start))
+              for name in space.figures}  # fmt: skip
+    limits = space.problem.limits
+    whole = Choice(space, limits, structure, points, TINY)
+    half = Choice(space, limits, structure, points, TINY, entries=["L08", "L15"])
+    none = Choice(space, limits, structure, points, TINY, entries=[])
+    picked = dict.fromkeys(points, 1)
+    worth = sum(whole._worth(claim, picked) for claim in whole.claims if claim.id in ("L08", "L15"))
+    assert half.score(picked) - none.score(picked) == pytest.approx(worth)
+    found = none.best(np.random.default_rng(3))
+    chosen = {name: int(np.flatnonzero((points[name] == found.point[space.places[name]]).all(1))[0])
+              for name in points}  # fmt: skip
+    every = {claim.id for claim in whole.claims if whole._worth(claim, chosen) == 1.0}
+    assert {*found.shown} == every

@@ -109,11 +109,6 @@ def test_joblib_has_one_key_for_equal_values():
     assert joblib.Parallel(2)(joblib.delayed(echo)(each) for each in VALUES) == VALUES
 
 
-def test_dask_has_one_key_for_equal_values():
-    base = pytest.importorskip("dask.base")
-    assert [*map(base.tokenize, VALUES)] == [*map(base.tokenize, copy.deepcopy(VALUES))]
-
-
 @each_value
 def test_it_prints_in_a_line_and_as_a_table(n):
     value = VALUES[n]
@@ -130,14 +125,6 @@ def test_settings_reach_the_runs_of_other_processes(method):
     task = partial(simulate, settings=replace(QUICK, scene=INSERTION))
     with ProcessPoolExecutor(2, multiprocessing.get_context(method)) as pool:
         assert list(pool.map(task, [baseline()] * 2)) == [task(baseline())] * 2
-
-
-def test_values_differ_where_one_number_does():
-    batch = Batch.of(baseline(), press_force=[1.0, 2.0])
-    assert batch != Batch.of(baseline(), press_force=[1.0, 2.5])
-    assert Batch.of(baseline(), rest_tilt=[-0.0]) == Batch.of(baseline(), rest_tilt=[0.0])
-    assert batch != batch.values
-    assert Settings(horizon=3.0) != Settings()
 
 
 def test_a_scene_with_events_of_its_own_says_that_it_stays():

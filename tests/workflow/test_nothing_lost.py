@@ -4,7 +4,6 @@
 """
 
 import contextlib
-import csv
 import fcntl
 import json
 import os
@@ -24,6 +23,7 @@ import xarray as xr
 
 from model.sweeps.files import write_json
 from model.sweeps.io import write_dataset
+from study.tracking.history import load_runs
 from study.tracking.records import file_hash
 
 KILLS = int(os.environ.get("VIBRALIGN_KILLS", "50"))
@@ -31,19 +31,17 @@ VICTIMS = ("job", "snakemake", "group", "interrupt")
 FEW = ("tiny/data/fig05.nc", "tiny/data/fig13.nc")  # of six jobs, chunks among them
 
 
-def failed_runs(workspace: Any) -> dict[str, dict[str, str]]:
-    """Rows of failed and interrupted runs in the index."""
-    with (workspace.folder / "tiny/runs.csv").open(encoding="utf-8", newline="") as stream:
-        return {row["run"]: row for row in csv.DictReader(stream) if row["status"] != "done"}
+def failed_runs(workspace: Any) -> dict[str, Any]:
+    """Failed and interrupted runs by name."""
+    found = load_runs(workspace.folder / "tiny")
+    return {each["run"]: each for each in found if each["status"] != "done"}
 
 
 def outcomes(workspace: Any) -> list[str]:
-    records = [
-        json.loads(path.read_text(encoding="utf-8"))
-        for path in (workspace.folder / "tiny/history").glob("*.json")
-    ]
-    ordered = sorted(records, key=lambda record: record["start"])
-    return [record["outcome"] for record in ordered]
+    """Outcomes of the starts as they are recorded, in the order of their numbers."""
+    paths = (workspace.folder / "tiny/history").glob("*.json")
+    ordered = sorted(paths, key=lambda path: int(path.stem))
+    return [json.loads(path.read_text(encoding="utf-8"))["outcome"] for path in ordered]
 
 
 def is_clean(

@@ -17,7 +17,7 @@ from tests.model.physics.test_mutations import replaced
 
 PROJECT = Path(__file__).resolve().parents[3]
 TESTS = (
-    "subset", "entries", "refusals", "checked", "vectors", "cache", "page", "webassembly", "package_kernels",
+    "subset", "entries", "refusals", "checked", "vectors", "cache", "page", "webassembly",
     "programs", "processes",
 )  # fmt: skip
 

@@ -7,7 +7,6 @@ import sys
 import numpy as np
 import pytest
 
-from model.compile.machine_code import floats_in_a_vector
 from model.compile.vector_code import WIDTH, WIDTHS
 from model.runs.engine import engine_for
 from verification.fuzz import SCENES, draw
@@ -58,18 +57,3 @@ def test_results_are_the_same_to_the_bit_at_every_width() -> None:
     widths, *results = zip(*(each.stdout.split() for each in runs), strict=True)
     assert [*map(int, widths)] == [*WIDTHS]
     assert [len({*each}) for each in results] == [1] * 4
-
-
-@pytest.mark.parametrize("width", ["3", "16", "four", "-1"])
-def test_another_width_is_refused(width: str) -> None:
-    run = told("import model.compile.vector_code", width)
-    assert run.returncode == 1
-    assert f"VIBRALIGN_WIDTH = {width!r}: must be 8, 4, 2 or 1" in run.stderr
-
-
-@pytest.mark.parametrize(("processor", "width"), [("haswell", 4), ("x86-64", 2), ("znver4", 8)])
-def test_the_width_is_that_of_the_processors_vectors(processor: str, width: int) -> None:
-    pytest.importorskip("llvmlite")
-    run = told("from model.compile.vector_code import WIDTH; print(WIDTH)", "", processor)
-    assert run.stdout.split() == [str(width)]
-    assert "VIBRALIGN_WIDTH" in os.environ or floats_in_a_vector() == WIDTH
