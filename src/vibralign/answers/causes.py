@@ -12,9 +12,11 @@ from model.physics.notation import RIGHT_EDGE, State
 from model.physics.parameters import Shape, constants_of
 from model.runs.simulate import Trajectory
 from vibralign.answers.leeways import Nearest, steps_between
+from vibralign.answers.si import rounded
 from vibralign.device.instead import parameter_of
 
 STICKS = 0.99  # share of the time
+_SOME_WAY = 0.1  # share of the way to the hole: what has come less takes ten horizons and more
 _SOFTER = (("tilt_stiffness", -1), ("friction", -1), ("amplitude", 1), ("press_force", 1))
 _HOLDS = (("press_force", -1), ("tilt_stiffness", 1), ("tilt_damping", 1))
 
@@ -53,9 +55,9 @@ def cause_of(run: Trajectory, shape: Shape) -> Cause:
             words = f"it hardly slips: it sticks on {place} {100.0 * run.sticking_share:.3g} % of "
             return Cause(f"{words}the time, {against}", _SOFTER)
         way = 100.0 * way_of(run)
-        come = f"it has come {way:.2g} % of the way to the hole"
+        come = f"it has come {rounded(way, 2)} % of the way to the hole"
         if way < 0.0:
-            come = f"it has moved away from the hole, by {-way:.2g} % of the way"
+            come = f"it has moved away from the hole, by {rounded(-way, 2)} % of the way"
         lifted = f"lifts off {run.separations} times" if run.separations else "never lifts off"
         words = f"it slips, {lifted}, {against}"
         if run.outcome == Outcome.SETTLED:
@@ -118,6 +120,12 @@ def way_of(run: Trajectory) -> float:
     device, (x, y, tilt) = run.parameters, run.state[:, :3].T
     arm = (device.slot_half_width - x) * np.cos(tilt) - y * np.sin(tilt)
     return float((arm[-1] - arm[0]) / (device.half_width - arm[0]))
+
+
+def waits_in_vain(run: Trajectory) -> bool:
+    """Return if a run that has not aligned by the horizon would hardly do so by a longer one."""
+    late = run.outcome == Outcome.HORIZON_REACHED and math.isnan(run.tau_align)
+    return late and (run.sticking_share >= STICKS or way_of(run) < _SOME_WAY)
 
 
 def first_change(cause: Cause, nearest: Sequence[Nearest]) -> Mapping[str, float]:

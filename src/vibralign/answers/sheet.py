@@ -36,7 +36,7 @@ def verdict_words(result: "Assessment") -> str:
     """Return the verdict on a device at its stated values."""
     good = [str(each.of) for each in result.approaches if each.reliable]
     if result.approaches and not result.reliable:
-        which = f"only with the approach {'; '.join(good)}" if good else "with no approach tried"
+        which = f"only with the approach {' or '.join(good)}" if good else "with no approach tried"
         return f"reliable {which}" + (", and it depends on the base" * result.depends_on_base)
     if result.depends_on_base:
         return "depends on the base: measure it"

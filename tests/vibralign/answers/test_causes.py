@@ -15,7 +15,7 @@ from model.runs.simulate import simulate_once
 from model.sweeps.settings import Ensemble
 from vibralign import INSERTION, Settings, load_device
 from vibralign.answers.assess import assess
-from vibralign.answers.causes import _lean, cause_of
+from vibralign.answers.causes import _lean, cause_of, waits_in_vain
 from vibralign.commands import main as cli
 
 PEG = Path(__file__).resolve().parents[2] / "square" / "peg.yaml"
@@ -71,7 +71,13 @@ def test_a_part_that_moves_away_has_no_share_of_the_way_below_zero(to_the_hole):
     assert not re.search(r"-[\d.]+ %", words)
 
 
-def test_a_part_that_sticks_is_not_told_to_wait_longer(capsys):
+def test_a_part_that_sticks_or_hardly_moves_is_not_told_to_wait_longer(capsys):
+    run = run_of("square", friction=0.9)
+    slow = replace(run, outcome=Outcome.HORIZON_REACHED, sticking_share=0.986)
+    assert waits_in_vain(slow)
+    state = run.state.copy()
+    state[-1, 0] -= 0.5 * (run.parameters.slot_half_width + run.parameters.half_width)
+    assert not waits_in_vain(replace(slow, state=state))
     sets = ["--set", "friction=0.9", "--set", "contact_stiffness=4.8e6"]
     given = ["--device", str(PEG), *sets, "--horizon", "0.1 s", "--tolerance", "1e-6"]
     assert cli.main(["simulate", *given]) == cli.DONE
