@@ -57,10 +57,10 @@ def example(monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..., Names]]:
     plt.close("all")
 
 
-def test_ten_short_scripts_begin_with_a_title_and_a_sentence():
-    *numbered, last = (path.name for path in SCRIPTS)
+def test_eleven_short_scripts_begin_with_a_title_and_a_sentence():
+    *numbered, known, last = (path.name for path in SCRIPTS)
     assert [name[0] for name in numbered] == [*"123456789"]
-    assert last == "round_and_square.py"
+    assert (known, last) == ("known_in_part.py", "round_and_square.py")
     for path in SCRIPTS:
         if path.suffix == ".ipynb":
             cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
@@ -215,3 +215,17 @@ def test_a_round_peg_is_reliable_on_less_of_both_planes_than_a_square_one(exampl
     given = {"misalignment": x.ravel()[far], "press_force": y.ravel()[far]}
     hops = given["press_force"] < stated.values["axial_stiffness"] * stated.values["amplitude"]
     assert not reliable_at(stated, **given)[~hops].any()  # the others stand flat
+
+
+def test_trials_leave_less_possible_than_the_ranges(example):
+    less = {"sets=256, touch_downs_tried=16": "sets=32, touch_downs_tried=8"}
+    names = example("known_in_part.py", less=less)
+    possible, found = names["possible"], names["found"]
+    assert 0.5 < possible.share < 1.0
+    assert found.fit.fits
+    assert found.concludes
+    for name, (low, middle, high) in found.intervals().items():
+        ends = names["device"].unknown[name]
+        assert ends.low <= low < middle < high <= ends.high
+    low, _, high = found.intervals()["friction"]
+    assert high - low < 0.9 * (0.4 - 0.05)

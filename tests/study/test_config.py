@@ -73,6 +73,8 @@ REFUSED = [
     ("precision.cases.aligned.at.frictoin", 0.1, ["cases.aligned.at", "frictoin", "'friction'"]),
     ("precision.hard.base.stiffness", [0.0], ["cases.base_0", "contact_stiffness = 0.0", "> 0"]),
     ("precision.hard.every_method", ["slw"], ["every_method", "slw", "slow"]),
+    ("evidence.others", {"wdie": {}}, ["others.wdie", "'wide'", "wdie.fig05.friction: missing"]),
+    ("evidence.others", {"wide": {"widht": 1.0}}, ["others.wide.widht: no unknown"]),
     ("precision.ladder.tolerances", [1e-3, 1e-2], ["[0.001, 0.01]", "must fall"]),
     ("precision.ladder.steps", [0.1, 0.0], ["steps = [0.1, 0.0]", "> 0"]),
     ("precision.ladder.true_tolerance", 1e-9, ["true_tolerance = 1e-09", "smaller than all"]),

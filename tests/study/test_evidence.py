@@ -115,7 +115,7 @@ def test_without_a_file_or_with_a_damaged_one_the_command_is_named(plan, stored,
 def test_cases_are_the_device_itself_near_ones_assumptions_and_others(study) -> None:
     space = space_of(study)
     own = own_values(study, space)
-    others = {"twin": own}
+    others = {"wide": own}
     plan = cases_plan(
         study.model_copy(update={"evidence": study.evidence.model_copy(update={"others": others})})
     )

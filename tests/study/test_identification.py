@@ -152,6 +152,12 @@ def test_the_same_seed_ends_at_the_same_set_within_its_bounds(space) -> None:
     assert set(stated["held"]) == set(space.figures)
 
 
+def test_a_search_by_an_entry_that_is_none_is_refused(space) -> None:
+    effort = Effort.model_validate(EFFORT | {"entries": ["L01", "L99"]})
+    with pytest.raises(ValueError, match="the ledger has no L99"):
+        search(space, effort)
+
+
 def test_entries_held_out_judge_no_set_but_are_told(space, study) -> None:
     structure = space.point(own_values(study, space))[space.places["structure"]]
     random = np.random.default_rng(2)

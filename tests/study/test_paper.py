@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from study.claims import CLAIMS, judge
+from study.claims import CLAIMS, VERDICTS, judge
 from study.claims.locked import locked_of
 from study.claims.regime import regime_of
 from study.config import load_study, study_path
-from study.evidence.null import null_plan, stored_null
+from study.evidence.null import null_plan, stored_null, verdicts_of
 from study.identification.batch import figures_of
 from study.identification.space import own_values, space_of
 
@@ -55,6 +55,17 @@ def test_the_page_counts_what_random_devices_show(study) -> None:
     assert f"Of {len(found.counts)} devices drawn at random {words}" in PAGE
     for entry in ("L02", "L13", "L15"):  # next to none
         assert found.shares[entry] <= 0.05
+
+
+def test_the_page_counts_what_the_device_without_limits_shows(study) -> None:
+    space, grid = space_of(study), study.evidence.grid
+    device = study.evidence.others["unlimited"]
+    pressed = space.settings.model_copy(update={"start": "pressed"})
+    counts = [
+        int((verdicts_of(each, [device], grid)[0] == VERDICTS.index("shown")).sum())
+        for each in (space, space.model_copy(update={"settings": pressed}))
+    ]
+    assert f"shows {counts[1]} entries in place\n  of {counts[0]} on the grid" in PAGE
 
 
 def test_the_page_lists_the_limits_that_are_missed(study, regimes) -> None:

@@ -31,6 +31,7 @@ from vibralign import (
     align,
     assess,
     baseline,
+    calibrate,
     design,
     load_device,
     simulate,
@@ -40,6 +41,8 @@ from vibralign.answers.leeways import Leeway, Nearest
 from vibralign.answers.sheet import sheet_rows
 
 PEG = Path(__file__).parents[2] / "docs" / "devices" / "peg.yaml"
+BENCH = Path(__file__).parents[2] / "examples" / "bench.yaml"
+TRIALS = [{"result": "60 ms"}, {"press_force": "14 N", "result": "fails after 2 s"}]
 QUICK = Settings(horizon=20.0, tolerance=1e-6)
 STARTS = [{"phase": 0.0, "initial_tilt": 0.001}]
 
@@ -58,6 +61,7 @@ def values():
         Settings(), replace(QUICK, scene=INSERTION, readings=Variants(), start="pressed"),
         simulate(device, QUICK), simulate(device, QUICK, horizon=1.0), align(batch, QUICK),
         found, results, replace(found, low=math.nan), best,
+        calibrate(BENCH, TRIALS, touch_downs_tried=2, target=5),
         assess(peg, QUICK, vary=False, bases=True),
     ]  # fmt: skip
 

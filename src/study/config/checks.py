@@ -16,7 +16,7 @@ def faults_of(study: Study) -> list[str]:
     """Return a line for every fault that only the whole study shows: path, value and rule."""
     faults = [*_values(study)]
     if not faults:
-        for check in (_ranges, _figures, _searched, _planes, _jamming, _cases):
+        for check in (_ranges, _figures, _searched, _planes, _jamming, _cases, _others):
             check(study, faults)
     return faults
 
@@ -135,3 +135,17 @@ def _cases(study: Study, faults: list[str]) -> None:
         for name in getattr(hard_cases, part):
             with _noted(f"precision.hard.{part}", faults):
                 check_name(name, list(hard_cases.all_cases), "hard case")
+
+
+def _others(study: Study, faults: list[str]) -> None:
+    """Check the devices of searches: each states all unknowns."""
+    spec = study.identification
+    points = spec.operating_points.items()
+    unknowns = {*spec.structure} | {f"{figure}.{name}" for figure, of in points for name in of}
+    for name, values in study.evidence.others.items():
+        place = f"evidence.others.{name}"
+        with _noted(place, faults):
+            check_name(name, list(spec.searches), "search")
+        for each in sorted(unknowns ^ values.keys()):
+            missing = "missing" if each in unknowns else "no unknown of the searches"
+            faults.append(f"{place}.{each}: {missing}")

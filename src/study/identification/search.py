@@ -181,7 +181,12 @@ def search(space: Space, effort: Effort) -> Found:
     """Return the set at which a search from nothing ends, judged on the fine grid.
 
     It is the same for the same seed.
+
+    Raises:
+        ValueError: it is to judge by an entry that there is not.
     """
+    if absent := {*(effort.entries or ())} - {claim.id for claim in CLAIMS}:
+        raise ValueError(f"entries: the ledger has no {', '.join(sorted(absent))}; see claims.yaml")
     random, where = np.random.default_rng(effort.seed), space.places["structure"]
     limits = space.problem.limits if effort.limited else None
     low, high = space.half_widths(effort.half_width)

@@ -21,6 +21,7 @@ from vibralign.commands.arguments import (
     read_inputs,
 )
 from vibralign.commands.files import check_file, check_picture, writing
+from vibralign.commands.known import assess_in_part
 from vibralign.commands.limits import exceeded_words, limit_lines, limit_rows
 from vibralign.commands.program import add_command, add_json
 from vibralign.commands.progress import ProgressLine
@@ -56,20 +57,25 @@ def add(commands: Any) -> None:
         "100 times its axial stiffness up to that of steel as well. Each parameter is varied, the "
         "others held, by up to a factor of four or until the device is not reliable. If the file "
         "states tolerances, devices are drawn within them: their yield, and what is to blame for "
-        "failures.",
+        "failures. If it states ranges of what is unknown: for which share of what is possible it "
+        "is reliable, what decides, and what to measure.",
         epilog="exit code: 0 the device was assessed; 1 the yield of --require is not met, or a "
         "limit of the file is exceeded with it; "
         "2 bad input",
     )
     add = parser.add_argument
     add("--bases", action="store_true", help="try the span of bases even if the base is stated")
-    words = "exit with 1 unless the yield is at least this, with 95 %% confidence"
+    words = (
+        "exit with 1 unless the yield, or the share of what is possible, is at least this, with "
+    )
+    words += "95 %% confidence"
     add("--require", metavar="YIELD", help=words)
     words = "devices drawn within the tolerances, a power of two (default: 4096)"
     add("--devices", metavar="N", default="4096", help=words)
     words = "print below the sheet each approach, base and tilt, all leeways, and what is assumed"
     add("--details", action="store_true", help=words)
-    words = "draw into FILE what goes in, over the two quantities that decide, with the device"
+    words = "draw into FILE what goes in, over the two quantities that decide, with the device; or "
+    words += "the verdict over those that are unknown"
     add("--plot", type=Path, metavar="FILE", help=words)
     words = "write the device sheet FILE (.html): numbers, verdict, map, run; prints on A4"
     add("--sheet", type=Path, metavar="FILE", help=words)
@@ -79,12 +85,14 @@ def add(commands: Any) -> None:
 
 def _assess(arguments: argparse.Namespace) -> int:
     try:
-        given = read_inputs(arguments)
+        given = read_inputs(arguments, known_in_part=True)
     except NoNeedError as found:
         return _without_need(str(found), as_json=arguments.json)
     stated, device, settings = given.stated, given.parameters, given.settings
     required, devices = _required(arguments, stated)
     _check_paths(arguments)
+    if stated is not None and stated.unknown:
+        return assess_in_part(arguments, given, required)
     announce_compilation()
     from model.sweeps.settings import Ensemble  # noqa: PLC0415
     from vibralign.answers.assess import assess  # noqa: PLC0415  (only this command)
@@ -218,7 +226,7 @@ def _required(
     required = number("require", arguments.require)
     if not 0.0 < required < 1.0:
         raise ValueError(f"require = {arguments.require}: must be between 0 and 1")
-    if stated is None or not stated.tolerances:
+    if stated is None or not (stated.tolerances or stated.unknown):
         raise ValueError("--require needs a device with tolerances, such as friction: 0.15 ± 0.05")
     return required, devices
 

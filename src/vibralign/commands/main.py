@@ -4,6 +4,7 @@ import sys
 
 from vibralign.commands import (
     assess,
+    calibrate,
     design,
     explore,
     map,  # noqa: A004  (the name of the command)
@@ -18,8 +19,9 @@ _TOOL = Program(
     "vibralign",
     "Vibratory alignment of a peg with a hole: choose press force, tilt stiffness and excitation "
     "frequency.",
-    (new, simulate, assess, design, map, explore),
+    (new, simulate, assess, design, calibrate, map, explore),
 )
+
 parser, main = _TOOL.parser, _TOOL.main
 
 if __name__ == "__main__":

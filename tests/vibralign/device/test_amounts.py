@@ -82,7 +82,7 @@ def test_a_tolerance_is_a_width_or_a_share(text, unit, value, kind, relative, ar
         ("25 %", "rad", "% is no unit of it"),
         ("8 N m/%", "N m/rad", "N m/% is no unit of it"),
         ("8 Nm/grad", "N m/rad", "grad is degree or gon: write 8 Nm/deg or 8 Nm/gon"),
-        ("0.1 to 0.25", "1", "state one value, or 0.175 ± 0.075 (ranges"),
+        ("0.1 to 0.25", "1", "state one value, or 0.175 ± 0.075 if it varies"),
         ("0.05 mm / 6 mm", "1", "unknown unit"),
         ("1/0", "1", "unknown unit '/0'"),
         ("3 N**", "N", "unknown unit"),
