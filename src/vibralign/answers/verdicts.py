@@ -22,10 +22,12 @@ class Base(NamedTuple):
     Attributes:
         contact_stiffness: contact stiffness over axial stiffness.
         restitution: coefficient of restitution; None where the damping is the device's own.
+        own: True for the base that a single run of the device takes.
     """
 
     contact_stiffness: float
     restitution: float | None
+    own: bool = False
 
 
 class Verdict(NamedTuple):
@@ -95,11 +97,10 @@ def bases_in(device: Parameters | StatedDevice, cases: Starts) -> list[Base | No
         return [None] * len(cases)
     one = Batch.stack([device.parameters])
     found = on_bases(one, [device.units], cases, device.shape, device.fixture)
-    known, bases = dict[str, Base](), list[Base | None]()
+    bases = list[Base | None]()
     for case, stiffness in zip(cases, found["contact_stiffness"][0].tolist(), strict=True):
         impact = None if math.isnan(case["restitution"]) else case["restitution"]
-        key = str([case[name] for name in OF_BASE])
-        bases.append(known.setdefault(key, Base(stiffness, impact)))
+        bases.append(Base(stiffness, impact, math.isnan(case["level"])))
     return bases
 
 
