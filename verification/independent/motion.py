@@ -16,6 +16,7 @@ from model.physics.parameters import Parameters
 
 State = NDArray[np.float64]
 RIGHT, LEFT = 1, -1
+CLEARS = 1e-3  # height over the base at which a descent begins, besides the swing
 # The contacts of the two groups, as fields of ``Mode``, edges before corners.
 SUPPORT, SIDE = ("face", "right_side", "corner", "right_wall"), ("side", "left_wall")
 
@@ -291,3 +292,23 @@ class Device:
         """Return dz/dτ, shape (6,)."""
         force, turn, *_ = self.rates(time, z, mode)
         return np.array([z[3], z[4], z[5], force.real, force.imag, turn])
+
+
+def descend(device: Device, vibrates: bool) -> tuple[float, float]:
+    """Set the drive of a holder that comes down, and return height and speed of the part.
+
+    In the frame of the holder the part hangs from spring and grounded damper; both drives of it,
+    the steady motion and the vibration, are solved as complex amplitudes.
+    """
+    p, speed = device.p, device.p.approach_speed
+    assert speed is not None  # noqa: S101 - the caller chooses the start
+    response = 1.0 / complex(1.0 - p.frequency**2, p.axial_damping * p.frequency)
+    size = float(vibrates)
+    swing = size * response * cmath.exp(1j * p.phase)
+    lag = p.axial_damping * speed
+    hangs = device.rest.imag - p.press_force + lag  # as the ramp ends, the swing aside
+    clears = device.height(p.rest_tilt) + size * abs(response) + CLEARS
+    press = p.press_force - max(clears - hangs, 0.0)
+    device.drive = Drive(press, speed, p.press_force, size, p.frequency, p.phase)
+    height = device.rest.imag - press + lag - swing.imag
+    return height, -speed - (1j * p.frequency * swing).imag

@@ -5,7 +5,6 @@ output of scipy's DOP853, and the state at an event is integrated anew. It is sl
 consistent variant of the equations only. insertion.py continues runs in the slot.
 """
 
-import cmath
 import itertools
 import math
 from collections.abc import Callable
@@ -22,10 +21,10 @@ from verification.independent.motion import (
     RIGHT,
     Body,
     Device,
-    Drive,
     Mode,
     State,
     body,
+    descend,
     highest,
 )
 
@@ -35,7 +34,6 @@ _AT_REST = 1e-11  # a slip below this is none
 _NO_LOAD = 1e-11  # a load, friction force or slip acceleration below this is none
 FLAT = 1e-8  # a part tilted by less rests on its edge
 RESTS = 1e-3  # speed and acceleration of a part at rest; as in physics/approach.py
-CLEARS = 1e-3  # height over the base at which a descent begins, besides the swing; as there
 MOMENT = 1e-5  # time ahead at which friction without load is decided
 _FIRST_STEP = 1e-3
 _MOST_EVENTS = 100_000
@@ -394,23 +392,3 @@ def solve(
         ValueError: the part starts tilted away from the slot, on its corner.
     """
     return Run(Device(parameters), tolerance, start).run(horizon)
-
-
-def descend(device: Device, vibrates: bool) -> tuple[float, float]:
-    """Set the drive of a holder that comes down, and return height and speed of the part.
-
-    In the frame of the holder the part hangs from spring and grounded damper; both drives of it,
-    the steady motion and the vibration, are solved as complex amplitudes.
-    """
-    p, speed = device.p, device.p.approach_speed
-    assert speed is not None  # noqa: S101 - the caller chooses the start
-    response = 1.0 / complex(1.0 - p.frequency**2, p.axial_damping * p.frequency)
-    size = float(vibrates)
-    swing = size * response * cmath.exp(1j * p.phase)
-    lag = p.axial_damping * speed
-    hangs = device.rest.imag - p.press_force + lag  # as the ramp ends, the swing aside
-    clears = device.height(p.rest_tilt) + size * abs(response) + CLEARS
-    press = p.press_force - max(clears - hangs, 0.0)
-    device.drive = Drive(press, speed, p.press_force, size, p.frequency, p.phase)
-    height = device.rest.imag - press + lag - swing.imag
-    return height, -speed - (1j * p.frequency * swing).imag

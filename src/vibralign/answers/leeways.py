@@ -1,9 +1,9 @@
 """Leeways of a device: ranges in which it stays reliable, one parameter at a time.
 
-Each parameter is scanned from its value, downwards and upwards, in steps of one ratio, all in one
-batch; the gripper's tilt, whose value may be 0, in steps that add. Two more batches divide the step
-in which the verdict changes, and then such a part, so that the end of the range is known to
-``FINEST``. Values are tried with the digits that are printed.
+Each parameter is scanned from its value, downwards and upwards, in steps of one ratio, a few steps
+of all parameters in one batch; the gripper's tilt, whose value may be 0, in steps that add. More
+batches divide the step in which the verdict changes, and then such a part, so that the end of the
+range is known to ``FINEST``. Values are tried with the digits that are printed.
 
 The border of a part that hops is *ragged*: values that fail lie among values that hold, down to
 slivers of 0.01 %. So ``UNBROKEN`` values ``FINEST`` apart are tried inwards from an end, ``BEYOND``
@@ -37,6 +37,7 @@ VARIED = (
 STEP = 2.0 ** (1.0 / 12.0)  # ratio of neighbouring values, 6 %
 ADDED: Mapping[str, float] = {GRIPPER_TILT: math.radians(0.1)}  # steps of values that add
 STEPS = 24  # steps of a scan: from a quarter to four times the value
+AT_ONCE = 4  # values of each scan that are tried together
 PARTS = 4, 5  # of the step in which the verdict changes; then of such a part
 DIGITS = 4  # of the values
 FINEST = STEP ** (1.0 / math.prod(PARTS)) * (1.0 + 10.0 ** (1 - DIGITS)) - 1.0  # 0.4 %
@@ -321,17 +322,22 @@ def _leading(
 ) -> list[int]:
     """Return how many leading values of each scan have the verdict of the device, its own first.
 
-    Verdicts are added to ``judged``; values that have one are not tried again.
+    Verdicts are added to ``judged``; values that have one are not tried again, nor any beyond the
+    few among which the verdict changes.
     """
-    both = list(zip(names, scans, strict=True))
-    values = dict.fromkeys((name, value) for name, scan in both for value in scan[1:])
-    if tried := [each for each in values if each not in judged]:
-        some = {name: own[name] for name in names}
-        judged |= zip(tried, are_alike(_swept(some, tried)).tolist(), strict=True)
-    return [
-        [True, *(judged[name, value] for value in scan[1:]), False].index(False)
-        for name, scan in both
-    ]
+    some, known = {name: own[name] for name in names}, [1] * len(scans)
+    for begin in range(1, max(map(len, scans), default=0), AT_ONCE):
+        parts = {
+            i: [(names[i], value) for value in scans[i][begin : begin + AT_ONCE]]
+            for i, n in enumerate(known)
+            if n == begin < len(scans[i])
+        }
+        values = dict.fromkeys(itertools.chain.from_iterable(parts.values()))
+        if tried := [each for each in values if each not in judged]:
+            judged |= zip(tried, are_alike(_swept(some, tried)).tolist(), strict=True)
+        for i, part in parts.items():
+            known[i] += [*(judged[each] for each in part), False].index(False)
+    return known
 
 
 def _swept(own: Mapping[str, float], tried: Sequence[tuple[str, float]]) -> dict[str, np.ndarray]:

@@ -17,7 +17,7 @@ from model.sweeps.version import version
 from vibralign.answers.assess import Assessment
 from vibralign.answers.assumptions import source_words
 from vibralign.answers.leeways import ADDED, moved
-from vibralign.answers.maps import QuantityAxis, map_of
+from vibralign.answers.maps import QuantityAxis, in_every_case, map_of
 from vibralign.answers.sheet import deciding
 from vibralign.device import StatedDevice
 from vibralign.doubts import DoubtWarning
@@ -46,7 +46,7 @@ def write_sheet(
     """
     settings = replace(settings, tolerance=max(settings.tolerance, _TOLERANCE))
     lowered = stated.lowered(result.worst)
-    dataset = _map(lowered, [*stated.free, *deciding(result)], settings)
+    dataset = _map(stated, [*stated.free, *deciding(result)], result, settings)
     made_by = f"{source_words(stated)}; vibralign {version()}"
     course = simulate_once(stated.parameters, settings)
     write_text(render(lowered, verdict, groups, course, dataset, made_by), path)
@@ -56,17 +56,22 @@ def write_plot(path: Path, stated: StatedDevice, result: Assessment, settings: S
     """Draw what goes in over the two quantities that decide, with the stated point."""
     settings = replace(settings, tolerance=max(settings.tolerance, _TOLERANCE))
     lowered = stated.lowered(result.worst)
-    write(device_map(lowered, _map(lowered, deciding(result), settings)), path)
+    write(device_map(lowered, _map(stated, deciding(result), result, settings)), path)
 
 
-def _map(stated: StatedDevice, names: Sequence[str], settings: Settings) -> xr.Dataset:
+def _map(
+    stated: StatedDevice, names: Sequence[str], result: Assessment, settings: Settings
+) -> xr.Dataset:
     """Return a map over the first two of these quantities, without doubts of its far ends."""
     x, y = (_axis(stated, name) for name in list(dict.fromkeys((*names, *_AXES)))[:2])
+    ensemble, cores = Ensemble(), os.cpu_count() or 1
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DoubtWarning)
-        sweep = map_of(stated, RunSettings.of(settings), (x, y), Ensemble())
+        lowered = stated.lowered(result.worst)
+        sweep = map_of(lowered, RunSettings.of(settings), (x, y), ensemble)
     title = f"What goes in, over {x.parameter} and {y.parameter}"
-    return merge(sweep, title, [run(sweep, cores=os.cpu_count() or 1)])
+    found = merge(sweep, title, [run(sweep, cores=cores)])
+    return in_every_case(found, stated, settings, ensemble, cores)
 
 
 def _axis(stated: StatedDevice, name: str) -> QuantityAxis:

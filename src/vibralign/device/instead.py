@@ -1,4 +1,4 @@
-"""What data sheets state in place of parameters: diameter, length, play, natural frequencies.
+"""Quantities of data sheets in place of parameters: diameter, length, play, natural frequencies.
 
 The holder with its part is three oscillators (holder.py), each of which has the natural frequency
 f = √(k/m) / 2π and, at the damping ratio ζ, the damping h = 2ζ √(k m); in tilt with k_φ and I_φ.

@@ -192,7 +192,7 @@ class StatedDevice(Value):
 
     @property
     def stated_start(self) -> dict[str, float | str]:
-        """What states its start, as ``changed`` takes it."""
+        """Quantities that state its start, as ``changed`` takes them."""
         speed = SUDDEN if self.sudden else self.quantities.get(SPEED)
         stated = {SPEED: speed, "vibrator": self.vibrator}
         return {name: each for name, each in stated.items() if each is not None}

@@ -10,12 +10,16 @@ import pytest
 from model.sweeps.settings import Ensemble
 from model.sweeps.starts import every_start, starts_of
 from vibralign import Settings, simulate
+from vibralign.answers import leeways as module
 from vibralign.answers.assess import Assessment, assess, impact_speed
 from vibralign.answers.cases import cases_of
 from vibralign.answers.causes import Cause, first_change
 from vibralign.answers.leeways import (
     ADDED,
+    AT_ONCE,
+    BEYOND,
     FINEST,
+    PARTS,
     STEP,
     STEPS,
     VARIED,
@@ -64,13 +68,21 @@ def test_a_leeway_ends_less_than_half_a_per_cent_before_a_failure(device):
     assert (friction.bounded_below, friction.bounded_above) == (False, True)
 
 
-def test_one_parameter_varies_at_a_time_in_four_batches(device):
+def test_one_parameter_varies_at_a_time_and_few_values_beyond_an_end(device):
     is_reliable, calls = oracle(device, press_force=(0.99 * device.press_force, np.inf))
     assert {each.parameter for each in leeways(device, is_reliable)} == set(VARIED)
     for swept in calls:
         off = sum(values != getattr(device, name) for name, values in swept.items())
         assert (off == 1).all()
-    assert len(calls) == 4  # the steps, parts of one, parts of such a part, values about the end
+    # Steps, parts of one, parts of such a part, values about the end.
+    assert len(calls) == STEPS // AT_ONCE + 3
+    lower = [
+        value
+        for swept in calls
+        for value in swept["press_force"]
+        if value < 0.99 * device.press_force
+    ]
+    assert len(lower) <= AT_ONCE + sum(PARTS) + BEYOND
 
 
 def test_steps_may_be_tried_roughly_and_an_end_never_is(device):
@@ -79,7 +91,8 @@ def test_steps_may_be_tried_roughly_and_an_end_never_is(device):
     roughly, steps = oracle(device, press_force=(0.0, 2.9 * 0.95))
     is_reliable, parts = oracle(device, press_force=(0.0, 2.9))
     found = leeways(device, is_reliable, roughly=roughly)
-    assert (len(steps), len(parts)) == (1, 5)  # ends, the scan that was wrong, parts, about the end
+    # Ends, the scan that was wrong in two batches, parts, parts of a part, about the end.
+    assert (len(steps), len(parts)) == (STEPS // AT_ONCE, 6)
     assert found == leeways(device, is_reliable)
 
 
@@ -145,7 +158,8 @@ def test_the_first_change_is_a_step_inside_where_that_is_reliable(
     assert a_step_inside(device, is_reliable, both) == both
 
 
-def test_the_model_is_reliable_up_to_a_leeway_and_not_beyond(device):
+def test_the_model_is_reliable_up_to_a_leeway_and_not_beyond(device, monkeypatch):
+    monkeypatch.setattr(module, "VARIED", ("press_force", "tilt_stiffness", "friction"))
     found = assess(device, COARSE, ENSEMBLE)
     assert (found.reliable, found.starts, found.aligned) == (True, 6, 6)
     starts = starts_of(device, ENSEMBLE)
@@ -213,7 +227,9 @@ def test_what_a_file_states_in_place_of_a_parameter_is_varied_and_named():
     assert [*first_change(cause, near)] == ["play"]
 
 
-def test_the_nearest_amplitude_is_found_and_holds():
+def test_the_nearest_amplitude_is_found_and_holds(monkeypatch):
+    monkeypatch.setattr(module, "VARIED", ())
+    monkeypatch.setattr(module, "UNITS", ("amplitude",))
     changes = {"amplitude": 0.5e-3, "contact_stiffness": 3e5}
     stated = load_device(PEG, changes)
     found = assess(stated, COARSE, ENSEMBLE)
