@@ -37,7 +37,8 @@ def with_blocks(language: str) -> list[Path]:
 
 @pytest.mark.parametrize("page", with_blocks("python"), ids=name_of)
 def test_python_runs(page, tmp_path, monkeypatch):
-    (tmp_path / "docs").symlink_to(REPOSITORY / "docs")
+    for folder in ("docs", "examples"):
+        (tmp_path / folder).symlink_to(REPOSITORY / folder)
     (tmp_path / "results").mkdir()
     (tmp_path / "results" / "data").symlink_to(REPOSITORY / "tests" / "reference")
     monkeypatch.chdir(tmp_path)

@@ -8,6 +8,7 @@ import yaml
 
 from model.runs.unvibrated import unvibrated
 from model.sweeps.sweep import merge, run
+from study.claims import judge
 from study.claims.data import figure_of
 from study.claims.regime import regime_of
 from study.config import load_study, study_path
@@ -163,15 +164,19 @@ def test_entries_held_out_judge_no_set_but_are_told(space, study) -> None:
     random = np.random.default_rng(2)
     points = {name: random.random((2, space.places[name].stop - space.places[name].start))
               for name in space.figures}  # fmt: skip
-    limits = space.problem.limits
-    whole = Choice(space, limits, structure, points, TINY)
-    half = Choice(space, limits, structure, points, TINY, entries=["L08", "L15"])
-    none = Choice(space, limits, structure, points, TINY, entries=[])
-    picked = dict.fromkeys(points, 1)
-    worth = sum(whole._worth(claim, picked) for claim in whole.claims if claim.id in ("L08", "L15"))
-    assert half.score(picked) - none.score(picked) == pytest.approx(worth)
+    none, one, other, both = (
+        Choice(space, space.problem.limits, structure, points, TINY, entries=entries)
+        for entries in ([], ["L01"], ["L12"], ["L01", "L12"])
+    )
+    for row in range(2):
+        limits, first, second, together = (
+            each.score(dict.fromkeys(points, row)) for each in (none, one, other, both)
+        )
+        assert together - limits == pytest.approx(first + second - 2.0 * limits)
+        assert first > limits
     found = none.best(np.random.default_rng(3))
-    chosen = {name: int(np.flatnonzero((points[name] == found.point[space.places[name]]).all(1))[0])
-              for name in points}  # fmt: skip
-    every = {claim.id for claim in whole.claims if whole._worth(claim, chosen) == 1.0}
-    assert {*found.shown} == every
+    rows = {name: int(np.flatnonzero((points[name] == found.point[space.places[name]]).all(1))[0])
+            for name in points}  # fmt: skip
+    chosen = {name: none.figures[name][row] for name, row in rows.items()}
+    told = {claim.id for claim, verdict in judge(chosen) if verdict.verdict == "shown"}
+    assert {*found.shown} == told

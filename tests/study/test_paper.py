@@ -57,15 +57,30 @@ def test_the_page_counts_what_random_devices_show(study) -> None:
         assert found.shares[entry] <= 0.05
 
 
-def test_the_page_counts_what_the_device_without_limits_shows(study) -> None:
-    space, grid = space_of(study), study.evidence.grid
-    device = study.evidence.others["unlimited"]
+def test_the_page_counts_what_other_devices_show(study) -> None:
+    space, grid, others = space_of(study), study.evidence.grid, study.evidence.others
     pressed = space.settings.model_copy(update={"start": "pressed"})
-    counts = [
-        int((verdicts_of(each, [device], grid)[0] == VERDICTS.index("shown")).sum())
-        for each in (space, space.model_copy(update={"settings": pressed}))
-    ]
-    assert f"shows {counts[1]} entries in place\n  of {counts[0]} on the grid" in PAGE
+    then_vibrated = space.model_copy(update={"settings": pressed})
+    narrow, wide, later = (
+        int((verdicts_of(each, [others[name]], grid)[0] == VERDICTS.index("shown")).sum())
+        for each, name in ((space, "narrow"), (space, "unlimited"), (then_vibrated, "unlimited"))
+    )
+    assert f"shows {later} entries in place\n  of {wide} on the grid" in PAGE
+    assert f"so shows {narrow} entries on the grid" in PAGE
+
+
+def test_the_page_counts_what_the_search_by_half_of_the_entries_shows(study) -> None:
+    random = stored_null(null_plan(study)).verdicts == 0
+    device, judged = study.evidence.others["odd"], study.identification.searches["odd"].entries
+    shown = verdicts_of(space_of(study), [device], study.evidence.grid)[0] == 0
+    unseen = np.array([claim.id not in judged for claim in CLAIMS])
+    count = shown[unseen].sum()
+    assert f"shows {count} of the {unseen.sum()} entries held out" in PAGE
+    assert f"shows only {shown[~unseen].sum()} of the {(~unseen).sum()} that it judged" in PAGE
+    usual = np.median(random[:, unseen].sum(axis=1))
+    as_many = (random[:, unseen].sum(axis=1) >= count).mean()
+    words = f"random devices show {usual:g} of them in the\nmedian, and {as_many:.0%} show as many"
+    assert words.replace("%", " %") in PAGE
 
 
 def test_the_page_lists_the_limits_that_are_missed(study, regimes) -> None:

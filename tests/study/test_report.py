@@ -4,9 +4,11 @@ import base64
 import re
 import shutil
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import xarray as xr
 from markupsafe import escape
 
 from model.events.outcomes import InsertionOutcome, Outcome, Reason, Unvibrated
@@ -19,6 +21,7 @@ from study.report import background
 from study.report.background import VARIANT_WORDS
 from study.report.figures import HEAD, Counts
 from study.report.findings import wedging_words
+from study.report.ledger import held_out
 from study.report.section import Results, subscripts
 from tests.study.report_data import PIXEL, Page, article, plain, render_report
 from tests.vibralign.plots.drawn import jamming_data
@@ -210,6 +213,18 @@ def test_few_words_are_in_sight_of_the_smoke_report():
 
 def test_numbers_are_written_without_a_computers_exponent(rendered):
     assert not re.search(r"\de[+-]\d\d", re.sub(r"data:image[^\"]*", "", rendered))
+
+
+def test_entries_held_out_are_counted(study) -> None:
+    verdicts = np.array([[0, 0, 0, *[1] * (len(CLAIMS) - 3)]], np.int8)
+    cases = xr.Dataset(
+        {"verdict": (("case", "entry"), verdicts)},
+        {"case": ["odd"], "entry": [claim.id for claim in CLAIMS]},
+    )
+    results = SimpleNamespace(study=study, dataset=lambda _: cases)
+    assert held_out(results) == "1 of 15", "by L01, L03, …: of the others it shows L02"
+    results.dataset = lambda _: cases.isel(case=[])
+    assert held_out(results) == ""
 
 
 def test_error_against_cost_is_told_in_sentences_pictures_and_tables(

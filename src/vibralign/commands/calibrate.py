@@ -109,7 +109,7 @@ def report(found: "Calibration") -> list[str]:
     from vibralign.known.fit import LEAST  # noqa: PLC0415  (scipy)
 
     fit, device = found.fit, found.device
-    share = f"{100.0 * fit.share:.2g} % of tables that the model makes have as little evidence"
+    share = f"trials of the model are as far out with {100.0 * fit.share:.2g} %"
     words = f"the model fits the trials: {share}"
     if not fit.fits:
         words = f"THE MODEL DOES NOT FIT THESE TRIALS: {share} (less than {100.0 * LEAST:.2g} %)"

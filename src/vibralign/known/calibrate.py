@@ -193,7 +193,7 @@ def calibrate(
 
     samples = sample(device.unknown, likelihood, tell, target=target, seed=seed)
     whole = tuple(np.concatenate(each) for each in times)
-    fit = fit_of(table, whole, samples, horizon, seed)
+    fit = fit_of(table, whole, samples, horizon)
     seconds = time.process_time() - began
     notes = tuple(notes_on(table, len(device.unknown)))
     return Calibration(device, tuple(table), samples, whole, horizon, fit, notes, seconds)

@@ -1,12 +1,10 @@
 """Does the model fit the trials at all?
 
-The evidence of the trials, the mean of their likelihood over what is possible, is compared with
-that of ``REPLICATES`` tables which the model makes itself: with sets of the posterior, a touch-down
-each, the error of the times and the outliers. If fewer than ``LEAST`` of these have as little
-evidence, the model does not fit (G. E. P. Box, Journal of the Royal Statistical Society A 143,
-1980, 383, with the predictions of the posterior). No further run is made. Each trial is then looked
-at by what the others predict of it (A. E. Gelfand, D. K. Dey, H. Chang, Bayesian Statistics 4,
-1992, 147).
+Each trial is looked at by what all others predict of it: the probability of a result as far out,
+from both ends, or of failing (A. E. Gelfand, D. K. Dey, H. Chang, Bayesian Statistics 4, 1992,
+147). If the product of these probabilities is too small, by Fisher's combined test (R. A. Fisher,
+Statistical Methods for Research Workers, 1932, sect. 21.1), the model does not fit. No further run
+is made.
 """
 
 import math
@@ -17,19 +15,12 @@ import numpy as np
 import scipy
 
 from vibralign.answers.reliability import Floats
-from vibralign.known.likelihood import (
-    OUTLIERS,
-    WIDEST,
-    log_chance,
-    log_density,
-    log_failing,
-    log_likelihood,
-)
+from vibralign.known.likelihood import log_chance, log_likelihood
 from vibralign.known.posterior import Samples, normalised
 from vibralign.known.trials import Trial
 
-REPLICATES = 300
-LEAST = 0.05  # share of the replicates below which the model does not fit
+LEAST = 0.07  # probability of trials as far out, below which the model does not fit
+_SMALLEST = 1e-4  # of these probabilities: no trial counts for more
 OUTSIDE = 0.05  # probability of a result, from both ends, below which a trial is named
 
 
@@ -37,7 +28,7 @@ class Fit(NamedTuple):
     """How the model fits the trials.
 
     Attributes:
-        share: share of tables made by the model that have as little evidence as the trials.
+        share: probability that trials of the model are as far out as these.
         odds: common logarithm of the evidence of the model over that of chance.
         predicted: probability of each trial's result as the others predict it, from both ends;
             of a failure, that of failing.
@@ -61,11 +52,7 @@ class Fit(NamedTuple):
 
 
 def fit_of(
-    trials: Sequence[Trial],
-    times: Sequence[Floats],
-    samples: Samples,
-    horizon: float,
-    seed: int = 0,
+    trials: Sequence[Trial], times: Sequence[Floats], samples: Samples, horizon: float
 ) -> Fit:
     """Return how the model fits.
 
@@ -74,50 +61,18 @@ def fit_of(
         times: of each trial, the times in s of all sets from its touch-downs, shape (n, m).
         samples: the sets with their weights.
         horizon: time in s at which a run ends.
-        seed: of the replicates.
     """
-    own = np.stack([log_likelihood(t, x, horizon) for t, x in zip(trials, times, strict=True)], 1)
-    evidence = _evidence(samples, own.sum(axis=1)[:, None])[0]
-    made = _of_replicates(trials, times, samples, horizon, np.random.default_rng(seed))
-    share = (1.0 + float((made <= evidence).sum())) / (1.0 + REPLICATES)
     predicted, quantiles = [], []
-    for i, (trial, each) in enumerate(zip(trials, times, strict=True)):
-        without = normalised(samples.log_ratio + samples.log_likelihood - own[:, i])
-        predicted.append(_probability(trial, each, without, horizon))
-        quantiles.append(_quantiles(each, samples.weights))
-    odds = (evidence - log_chance(trials)) / math.log(10.0)
-    return Fit(share, float(odds), tuple(predicted), np.array(quantiles))
-
-
-def _evidence(samples: Samples, logs: Floats) -> Floats:
-    """Return the logarithm of the evidence of tables, whose log likelihoods have shape (n, k)."""
-    found: Floats = scipy.special.logsumexp(samples.log_ratio[:, None] + logs, axis=0)
-    return found
-
-
-def _of_replicates(
-    trials: Sequence[Trial],
-    times: Sequence[Floats],
-    samples: Samples,
-    horizon: float,
-    rng: np.random.Generator,
-) -> Floats:
-    """Return the evidence of tables that the model makes, shape (``REPLICATES``,)."""
-    rows = rng.choice(len(samples.z), REPLICATES, p=samples.weights)
-    longest = max((each.waited for each in trials if each.waited), default=horizon)
-    logs = np.zeros((len(samples.z), REPLICATES))
     for trial, each in zip(trials, times, strict=True):
-        waited = trial.waited or longest
-        time = each[rows, rng.integers(each.shape[1], size=REPLICATES)]
-        time = time * np.exp(trial.error * rng.standard_normal(REPLICATES))
-        odd, middle = rng.random(REPLICATES) < OUTLIERS, 0.1 * waited
-        any_time = middle * WIDEST ** (rng.random(REPLICATES) - 0.5)
-        time = np.where(odd, np.where(rng.random(REPLICATES) < 0.5, np.nan, any_time), time)
-        fails = ~(time <= waited)
-        logs[:, fails] += log_failing(each, waited)[:, None]
-        if not fails.all():
-            logs[:, ~fails] += log_density(each, np.log(time[~fails]), trial.error)
-    return _evidence(samples, logs)
+        own = log_likelihood(trial, each, horizon)
+        others = normalised(samples.log_ratio + samples.log_likelihood - own)
+        predicted.append(_probability(trial, each, others, horizon))
+        quantiles.append(_quantiles(each, samples.weights))
+    product = -2.0 * float(np.log(np.maximum(predicted, _SMALLEST)).sum())
+    share = float(scipy.stats.chi2.sf(product, 2 * len(trials)))
+    evidence = float(scipy.special.logsumexp(samples.log_ratio + samples.log_likelihood))
+    odds = (evidence - log_chance(trials)) / math.log(10.0)
+    return Fit(share, odds, tuple(predicted), np.array(quantiles))
 
 
 def _probability(trial: Trial, times: Floats, weights: Floats, horizon: float) -> float:

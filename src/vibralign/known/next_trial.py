@@ -114,7 +114,9 @@ def next_of(
         cores: number of threads.
         tell: called with the step, in words.
     """
-    tried = list({str(sorted(each.quantities.items())): each for each in settings_tried}.values())
+    keys = {str(sorted(each.quantities.items())): each for each in settings_tried}
+    keys.pop(str(sorted(device.quantities.items())), None)
+    tried = list(keys.values())
     intended: Setting = {}
     adds, times = float("nan"), list[tuple[StatedDevice, Setting, Floats]]()
     if device.free:
