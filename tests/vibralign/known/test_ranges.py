@@ -149,7 +149,7 @@ def test_assess_answers_over_what_is_possible(tmp_path, capsys):
         assert cli.main(["assess", "--device", str(path), *option]) == cli.REFUSED
         assert "while quantities are unknown" in capsys.readouterr().err
     assert cli.main(["assess", "--set", "friction=0.1", "--plot", str(picture)]) == cli.REFUSED
-    assert "none is unknown" in capsys.readouterr().err
+    assert "--plot needs --device FILE" in capsys.readouterr().err
 
 
 def test_doubtful_values_are_still_named(tmp_path):
