@@ -100,10 +100,12 @@ def _worth_lines(found: "Covering") -> list[str]:
 
 
 def _unknown_lines(device: "StatedDevice") -> list[str]:
-    from vibralign.known.files import range_words  # noqa: PLC0415  (xarray)
-
     source = "" if device.samples is None else f", as the trials in {device.samples.name} leave it"
-    rows = [(name, range_words(device, name)) for name in device.unknown]
+    rows = [
+        (name, " to ".join(written_words(name, end, device) for end in each),
+         "log-uniform" if each.is_log else "")
+        for name, each in device.unknown.items()
+    ]  # fmt: skip
     return [f"unknown{source}:", *in_columns(rows)]
 
 

@@ -8,7 +8,6 @@ import xarray as xr
 
 from model.sweeps.files import read_text, write_text
 from model.sweeps.io import described, write_dataset
-from vibralign.answers.si import written_words
 from vibralign.device import StatedDevice
 from vibralign.device.stated import quantity_of
 from vibralign.device.unknown import SAMPLES, SECTION
@@ -93,10 +92,3 @@ def write(found: Calibration, path: Path) -> Path:
     write_dataset(dataset_of(found), samples)
     write_text(text, path)
     return samples
-
-
-def range_words(device: StatedDevice, name: str) -> str:
-    """Return the range of an unknown, with its unit."""
-    low, high = device.unknown[name]
-    words = f"{written_words(name, low, device)} to {written_words(name, high, device)}"
-    return words + (" (log-uniform)" if device.unknown[name].is_log else "")

@@ -18,8 +18,8 @@ from model.physics.tables import Value
 from vibralign.answers.reliability import Floats
 from vibralign.device.unknown import Range
 
-FIRST = 128  # sets of the first stage, of the ranges; a power of two
-STAGE = 64  # sets of each later one; a power of two
+FIRST = 64  # sets of the first stage, of the ranges; a power of two
+STAGE = 32  # sets of each later one; a power of two
 EFFECTIVE = 100.0  # effective sample size that is sought, and below which nothing is concluded
 MOST = 2048  # sets
 _DEFENSIVE = 0.1  # share of a stage that is drawn from the ranges
