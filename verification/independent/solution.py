@@ -1,8 +1,8 @@
 """Runs of the independent solution: events and transitions up to alignment.
 
 It shares no code with ``model`` but the class ``Parameters``. Events are located on the dense
-output of scipy's DOP853, and the state at an event is integrated anew. It is slow, and has the
-consistent variant of the equations only. insertion.py continues runs in the slot.
+output of scipy's DOP853, and the state at an event is integrated anew. It is slow. insertion.py
+continues runs in the slot.
 """
 
 import itertools
@@ -133,7 +133,7 @@ class Run:
 
     def _add_friction(self, mode: Mode, found: dict[str, Function]) -> None:
         mu = self.device.p.friction
-        if mu == 0.0:
+        if mu == 0.0 or "friction_law" in self.device.printed:
             return
         pressing = mode.supported, mode.beside
         for i, name in enumerate(("slip", "side slip")):
@@ -272,6 +272,8 @@ class Run:
         side_rests = side_rests and at_wall == mode.slip_at_wall
         mode = replace(mode, slip_at_corner=at_corner, slip_at_wall=at_wall)
         mu = self.device.p.friction
+        if "friction_law" in self.device.printed:
+            return replace(mode, slides=-1, side_slides=-1)
         if mu == 0.0:
             return mode
         groups = self.device.rates(time, z, mode)[2]
@@ -354,13 +356,24 @@ class Run:
         bottom, left, right, top = d.depths(side, at)
         if event == "lands":
             met = replace(mode, edge=side, corner="on", offset=-d.corner(side, at).imag)
+            met = self._loaded("corner", met, at)
         elif bottom <= min(left, right, top):
-            met = replace(mode, edge=side, face="on")
+            met = self._loaded("face", replace(mode, edge=side, face="on"), at)
         elif side == LEFT and left <= min(right, top):
-            return self._next(time, z, mode, replace(mode, side="on"))
+            met = self._loaded("side", replace(mode, side="on"), at)
+            return self._next(time, z, mode, met)
         else:
             return "other face"
         return "both sides" if elsewhere else self._next(time, z, mode, met)
+
+    def _loaded(self, what: str, mode: Mode, at: Body) -> Mode:
+        """Return the mode after a touch, which does not press at once under the printed damping."""
+        pulls = "contact_damping_law" in self.device.printed and self.device.p.contact_damping > 0.0
+        return (
+            _with(mode, what, "released")
+            if pulls and self.device.touch(what, mode, at).load <= _NO_LOAD
+            else mode
+        )
 
     def _after_slip(self, beside: bool, time: float, z: State, mode: Mode) -> Mode:
         sticks = (mode.side_slides if beside else mode.slides) == 0

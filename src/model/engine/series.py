@@ -35,7 +35,7 @@ from model.physics.parameters import Constants
 from model.physics.trigonometry import sine_cosine, square_root
 from model.physics.variants import SWITCHES, Variants
 
-# Constant during a step: a number, ("given", place), or (operation, constant, constant).
+# Constant during a step: a number, ("given", line), or (operation, constant, constant).
 Constant = float | tuple[Any, ...]
 
 # Lanes hold the first fields of ``Constants``: all that select no variant of the equations. The
@@ -71,29 +71,154 @@ def _inverse(a: Constant) -> Constant:
     return 1.0 / a if isinstance(a, float) else ("/", 1.0, a)
 
 
-class TaylorSeries(NamedTuple):
-    """A series: the rule of its coefficients, and what the rule is applied to.
+# The rules by which the coefficients of a series follow from others. Tuples with equal members are
+# equal: ``rule`` tells those of two rules apart.
+class StateVariable(NamedTuple):
+    """A variable of the state, which follows from its rate."""
 
-    Rules are "state", "time", "lack", "sine", "cosine", "product", "quotient", "root", "sum" and
-    "rate"; in levels of events (levels.py) also "line" and "absolute". The lack of the press is
-    linear in time: step.py writes its coefficients.
-    """
+    number: int
+    rule: str = "state"
 
-    rule: str
-    operands: tuple[Any, ...]
+
+class Time(NamedTuple):
+    """Time."""
+
+    rule: str = "time"
+
+
+class Lack(NamedTuple):
+    """Lack of the press, linear in time: step.py writes its coefficients."""
+
+    rule: str = "lack"
+
+
+class Sine(NamedTuple):
+    """Sine of an angle: of the sum of a constant and multiples of series."""
+
+    constant: Constant
+    terms: "Terms"
+    rule: str = "sine"
+
+
+class Cosine(NamedTuple):
+    """Cosine of an angle; see ``Sine``."""
+
+    constant: Constant
+    terms: "Terms"
+    rule: str = "cosine"
+
+
+class SumSeries(NamedTuple):
+    """Sum of a constant and multiples of series."""
+
+    constant: Constant
+    terms: "Terms"
+    rule: str = "sum"
 
     @property
-    def is_convolved(self) -> bool:
-        """True if its coefficients are sums over those of its ``factors``."""
-        return self.rule in ("product", "quotient", "root")
+    def inputs(self) -> "tuple[TaylorSeries, ...]":
+        """Series whose coefficients of an order it needs for its own of it."""
+        return tuple(each for each, _ in self.terms)
+
+
+class Rate(NamedTuple):
+    """Rate of a series."""
+
+    of: "TaylorSeries"
+    rule: str = "rate"
+
+    @property
+    def inputs(self) -> "tuple[TaylorSeries, ...]":
+        """As of ``SumSeries``."""
+        return (self.of,)
+
+
+class Product(NamedTuple):
+    """Product of two series; its coefficients are sums over those of its ``factors``."""
+
+    one: "TaylorSeries"
+    other: "TaylorSeries"
+    rule: str = "product"
+
+    @property
+    def inputs(self) -> "tuple[TaylorSeries, ...]":
+        """As of ``SumSeries``."""
+        return self.one, self.other
 
     @property
     def factors(self) -> "tuple[TaylorSeries, TaylorSeries]":
-        """Factors of a product; of a quotient, itself and its divisor; of a root, twice itself."""
-        if self.rule == "root":
-            return self, self
-        one, other = self.operands
-        return (one, other) if self.rule == "product" else (self, other)
+        """Return its factors."""
+        return self.one, self.other
+
+
+class Quotient(NamedTuple):
+    """Quotient of two series; its coefficients are sums over those of its ``factors``."""
+
+    of: "TaylorSeries"
+    by: "TaylorSeries"
+    rule: str = "quotient"
+
+    @property
+    def inputs(self) -> "tuple[TaylorSeries, ...]":
+        """As of ``SumSeries``."""
+        return self.of, self.by
+
+    @property
+    def factors(self) -> "tuple[TaylorSeries, TaylorSeries]":
+        """Return itself and its divisor."""
+        return self, self.by
+
+
+class Root(NamedTuple):
+    """Square root of a series; its coefficients are sums over those of its ``factors``."""
+
+    of: "TaylorSeries"
+    rule: str = "root"
+
+    @property
+    def inputs(self) -> "tuple[TaylorSeries, ...]":
+        """As of ``SumSeries``."""
+        return (self.of,)
+
+    @property
+    def factors(self) -> "tuple[TaylorSeries, TaylorSeries]":
+        """Return itself, twice."""
+        return self, self
+
+
+class Absolute(NamedTuple):
+    """Absolute value of a sum, in levels of events (levels.py) only."""
+
+    of: SumSeries
+    rule: str = "absolute"
+
+
+class Line(NamedTuple):
+    """Line of the workspace, or its rate, in levels of events only."""
+
+    number: int
+    is_rate: bool
+    rule: str = "line"
+
+
+class Unknown(NamedTuple):
+    """Quantity that levels of events may not contain."""
+
+    rule: str = "unknown"
+
+
+Convolved = Product | Quotient | Root
+TaylorSeries = (
+    StateVariable | Time | Lack | Sine | Cosine | SumSeries | Rate | Convolved | Absolute | Line
+    | Unknown
+)  # fmt: skip
+Terms = tuple[tuple[TaylorSeries, Constant], ...]
+
+
+def product(one: TaylorSeries, other: TaylorSeries) -> Product:
+    """Return the product of two series, which is the same in either order."""
+    first, second = sorted((one, other), key=repr)
+    return Product(first, second)
 
 
 _CONTACTS = tuple(
@@ -158,8 +283,7 @@ class Sum(Symbol):
         if not self.terms:
             return other.times(self.constant)
         (a, f, one), (b, g, another) = self._as_multiple(), other._as_multiple()
-        both = TaylorSeries("product", tuple(sorted((one, another), key=repr)))
-        squared = Sum(_product(a, b), {both: _product(f, g)})
+        squared = Sum(_product(a, b), {product(one, another): _product(f, g)})
         return squared + Sum(0.0, {another: _product(a, g)}) + Sum(0.0, {one: _product(b, f)})
 
     def _as_multiple(self) -> tuple[Constant, Constant, TaylorSeries]:
@@ -170,15 +294,15 @@ class Sum(Symbol):
         factor, origin = self.multiple or (1.0, self)
         return 0.0, factor, origin.as_series()
 
-    def as_series(self) -> TaylorSeries:
+    def as_series(self) -> SumSeries:
         """Return this sum as a series of its own."""
-        return TaylorSeries("sum", (self.constant, tuple(self.terms.items())))
+        return SumSeries(self.constant, tuple(self.terms.items()))
 
     def __truediv__(self, other: "Sum | float") -> "Sum":
         other = as_sum(other)
         if not other.terms:
             return self.times(_inverse(other.constant))
-        return Sum(0.0, {TaylorSeries("quotient", (self.as_series(), other.as_series())): 1.0})
+        return Sum(0.0, {Quotient(self.as_series(), other.as_series()): 1.0})
 
     def __neg__(self) -> "Sum":
         return self.times(-1.0)
@@ -193,7 +317,7 @@ class Sum(Symbol):
         return as_sum(other) / self
 
     def __abs__(self) -> "Sum":
-        return sum_of(TaylorSeries("absolute", (self.as_series(),)))
+        return sum_of(Absolute(self.as_series()))
 
     __radd__, __rmul__ = __add__, __mul__
 
@@ -203,9 +327,9 @@ def as_sum(value: Sum | float) -> Sum:
     return value if isinstance(value, Sum) else Sum(float(value), {})
 
 
-def given(place: int) -> Any:
-    """Return the constant at a place among those of a lane."""
-    return Sum(("given", place), {})
+def given(line: int) -> Any:
+    """Return the constant in a line of the workspace."""
+    return Sum(("given", line), {})
 
 
 def sum_of(series: TaylorSeries) -> Any:
@@ -213,9 +337,8 @@ def sum_of(series: TaylorSeries) -> Any:
     return Sum(0.0, {series: 1.0})
 
 
-STATES = tuple(TaylorSeries("state", (n,)) for n in range(len(State._fields)))
-_TIME = TaylorSeries("time", ())
-LACK_OF_PRESS = TaylorSeries("lack", ())
+STATES: tuple[TaylorSeries, ...] = tuple(map(StateVariable, range(len(State._fields))))
+LACK_OF_PRESS = Lack()
 
 
 def _with_rates(contact: Contact) -> Contact:
@@ -227,8 +350,8 @@ def _with_rates(contact: Contact) -> Contact:
 
 def _with_rate(value: Any) -> tuple[Any, Any]:
     """Return a sum, as a series of its own and a constant, and its rate."""
-    series = TaylorSeries("sum", (0.0, tuple(value.terms.items())))
-    return Sum(value.constant, {series: 1.0}), sum_of(TaylorSeries("rate", (series,)))
+    series = SumSeries(0.0, tuple(value.terms.items()))
+    return Sum(value.constant, {series: 1.0}), sum_of(Rate(series))
 
 
 def _tips_with_rates(side: float, q: State, p: Constants) -> Contact:
@@ -248,12 +371,12 @@ def _tips_with_rates(side: float, q: State, p: Constants) -> Contact:
 
 
 def _square_root(value: Sum) -> Sum:
-    return Sum(0.0, {TaylorSeries("root", (value.as_series(),)): 1.0})
+    return sum_of(Root(value.as_series()))
 
 
 def _sine_cosine(angle: Sum) -> tuple[Sum, Sum]:
-    key = (angle.constant, tuple(angle.terms.items()))
-    return sum_of(TaylorSeries("sine", key)), sum_of(TaylorSeries("cosine", key))
+    of = angle.constant, tuple(angle.terms.items())
+    return sum_of(Sine(*of)), sum_of(Cosine(*of))
 
 
 def _share(load: Sum, load_of_edge: Sum | float) -> Sum | float:
@@ -321,7 +444,7 @@ def recurrences(
     """
     p, q = symbols_of(constants, switches), State(*map(sum_of, STATES))
     mode = mode_of_kind(kind, (given(SUPPORT_SIGN), given(SIDE_SIGN)), given(CORNER_OFFSET))
-    at = motion(sum_of(_TIME), q, p, mode)
+    at = motion(sum_of(Time()), q, p, mode)
     edge = edge_on_side(RIGHT_EDGE, q, p) if mode.in_slot else support_on_face(mode.edge, q, p)
     left_edge = edge_on_side(LEFT_EDGE, q, p)
     corner = corner_on_wall(RIGHT_EDGE, q, p) if mode.in_slot else on_flat(q, p, mode)

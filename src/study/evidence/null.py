@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from model.compile.outline import outline
 from model.events import event_functions, friction, steady_state, table, transitions
 from model.physics import contacts, forces, geometry, modes, motion, rest
 from model.sweeps.axes import Plan
@@ -25,6 +24,7 @@ from study.claims.ledger import VERDICTS, judge
 from study.config.identification import Grid
 from study.identification.batch import figures_of
 from study.identification.space import Space, space_of
+from study.outline import outline
 
 if TYPE_CHECKING:
     from study.config.study import Study

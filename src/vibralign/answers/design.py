@@ -92,7 +92,7 @@ class Tried(Value):
 
 
 class Limiting(NamedTuple):
-    """What limits a setting.
+    """A limit of a setting.
 
     Attributes:
         kind: "limit", "lower end" or "upper end" of a range, or "tolerance".
@@ -166,7 +166,7 @@ class Design(Value):
 
     @property
     def limiting(self) -> list[Limiting]:
-        """What keeps the recommended setting from the limits, or from a larger margin.
+        """Return what keeps the recommended setting from the limits, or from a larger margin.
 
         If no setting keeps the limits, these are all of them, those first that it exceeds; else the
         limits that it is ``NEAR`` to. Then come the ends of ranges that it is ``NEAR`` to, and the

@@ -1,4 +1,4 @@
-"""What the commands of the study refuse, and configurations that are no study."""
+"""Input that the commands of the study refuse, and configurations that are no study."""
 
 import errno
 import os

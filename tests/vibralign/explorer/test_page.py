@@ -4,6 +4,7 @@ import base64
 import gzip
 import json
 import re
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -64,7 +65,10 @@ def test_page_knows_every_parameter_outcome_and_remedy(page: str) -> None:
         assert each["symbol"] == FIELDS[each["name"]].symbol
         assert each["least"] < each["most"]
     assert model["outcomes"]["0"] == OUTCOME_TEXT[Outcome.ALIGNED]
-    assert model["remedies"]["2,2"] == remedy(Outcome.LEFT_SCENE, Reason.OVERSHOT)
+    of_reasons, remedies = model["remedies_of_reasons"], model["remedies"]
+    for outcome, reason in product(Outcome, Reason):
+        words = of_reasons.get(str(int(reason)), remedies[str(int(outcome))])
+        assert words == remedy(outcome, reason)
     assert len(model["events"]) == len(INTERFACE["events"])
     assert unpacked(model["engine"]) == MODULE.binary
 
