@@ -34,7 +34,6 @@ MUTATIONS = {
     # --- series and their errors
     "the error of a cosine has the sine's sign": ("series_code.py", 'self.do("fneg", total) if series == self.layout.sines[1] else total', "total"),
     "a root is divided by itself, once": ("series_code.py", 'self.do("fdiv", rest, self.do("fadd", first, first))', 'self.do("fdiv", rest, first)'),
-    "no term is omitted": ("carried_error.py", "return moved(error, length ** (ORDER + 1), omitted)", "return error"),
     "errors slip where the run sticks": ("carried_error.py", "held = without_slip(moved(end, factor, error), p, mode_of_lane(lanes, w, i))", "held = moved(end, factor, error)"),
     "displaced runs meet events at once": ("carried_error.py", "jump), -late, rates_after)", "jump), 0.0 * late, rates_after)"),
     # --- detection and location of events
