@@ -29,6 +29,7 @@ from vibralign.answers.design_trials import MEASURES, Check, Row, Trials
 from vibralign.answers.reliability import Floats
 from vibralign.answers.yields import check_devices, interval
 from vibralign.device import StatedDevice, Tolerance
+from vibralign.device.instead import name_in
 from vibralign.device.runs import AnyDevice, device_of
 from vibralign.device.stated import unit_of
 
@@ -253,7 +254,8 @@ def with_tolerances(stated: StatedDevice) -> StatedDevice:
         )
     if stated.tolerances:
         return stated
-    return replace(stated, tolerances={n: ASSUMED for n in ASSUMED_OF if n in stated.quantities})
+    names = [name_in(stated.quantities, name) for name in ASSUMED_OF]
+    return replace(stated, tolerances={n: ASSUMED for n in names if n in stated.quantities})
 
 
 def search(

@@ -26,6 +26,7 @@ import numpy as np
 from model.physics.parameters import Parameters
 from model.physics.units import UNITS
 from vibralign.device import StatedDevice
+from vibralign.device.instead import name_in
 from vibralign.device.mouth import GRIPPER_TILT
 
 VARIED = (
@@ -180,6 +181,8 @@ def together(device: Stated, is_reliable: IsReliable, names: Names) -> dict[str,
     Both are changed by up to the factor of a scan, the other parameters held.
     """
     own = _own(device)
+    if isinstance(device, StatedDevice):
+        names = [name_in(device.quantities, name) for name in names]
     values = {
         name: [own[name], *(v for step in (-4.0, 4.0)
                             for v in _values(device, name, own[name], step, PAIRED // 2)[1:])]
@@ -346,11 +349,15 @@ def _swept(own: Mapping[str, float], tried: Sequence[tuple[str, float]]) -> dict
 
 
 def _own(device: Stated, held: Names = ()) -> dict[str, float]:
-    """Return the device's own values of what is varied, in SI units for a device of a file."""
+    """Return the device's own values of what is varied, in SI units for a device of a file.
+
+    These are by the names by which the file states them, such as ``play`` for the clearance.
+    """
     if isinstance(device, Parameters):
         return {name: getattr(device, name) for name in VARIED if name not in held}
-    values = device.values
-    return {name: values[name] for name in (*UNITS, *VARIED, *ADDED) if name not in held}
+    values = {**device.values, **device.quantities}
+    names = [name for name in (*UNITS, *VARIED, *ADDED) if name not in held]
+    return {each: values[each] for each in (name_in(device.quantities, name) for name in names)}
 
 
 def _values(

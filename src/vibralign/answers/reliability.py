@@ -95,6 +95,12 @@ class DeviceResults(Value):
         return f"<DeviceResults: {self.goes_in.sum():,} of {self.goes_in.size:,} devices go in>"
 
 
+def as_stated(device: Parameters | StatedDevice) -> Values:
+    """Return the values of one device without a change."""
+    own = device.quantities if isinstance(device, StatedDevice) else device.given()
+    return {"friction": np.array([own["friction"]])}
+
+
 def from_every_start(
     device: Parameters | StatedDevice,
     values: Values,
@@ -281,8 +287,7 @@ def reliable_at(
     if len({each.shape for each in values.values()}) > 1:
         shapes = ", ".join(f"{name}: {each.size}" for name, each in values.items())
         raise ValueError(f"quantities must have one common length, got {shapes}")
-    parameters = device.parameters if isinstance(device, StatedDevice) else device
-    values = values or {"friction": np.array([parameters.friction])}
+    varied: Values = values or as_stated(device)
     settings = settings or Settings(scene=INSERTION)
-    cases = cases_of(device, Ensemble(), varied=values)
-    return are_reliable(device, values, cases, settings, cores)
+    cases = cases_of(device, Ensemble(), varied=varied)
+    return are_reliable(device, varied, cases, settings, cores)

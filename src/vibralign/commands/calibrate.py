@@ -114,7 +114,7 @@ def report(found: "Calibration") -> list[str]:
     if not fit.fits:
         words = f"THE MODEL DOES NOT FIT THESE TRIALS: {share} (less than {100.0 * LEAST:.2g} %)"
     lines = [_line("fit", words), _line("device", device.source)]
-    chance = f"10^{fit.odds:.1f} times as probable under the model as at random"
+    chance = f"evidence 10^{fit.odds:.1f} of that of the chance that fits them best"
     lines.append(_line("trials", f"{len(found.trials)}, {chance}"))
     for number in fit.outside:
         share = f"{100.0 * fit.predicted[number]:.2g} %"

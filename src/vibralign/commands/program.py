@@ -22,6 +22,20 @@ from vibralign.commands.files import WriteError
 from vibralign.doubts import DoubtWarning
 
 DONE, FAILED, REFUSED, INTERRUPTED = 0, 1, 2, 130
+# Commands and options of release 1, and what to write instead (docs/from-1-to-2.md).
+_GONE = {
+    "invalid choice: 'export'": "export is gone: `python -m study runs --json` has its numbers",
+    **{
+        f"vibralign: invalid choice: '{name}'": f"in a checkout it is `python -m study {name}`"
+        for name in ("runs", "show", "diff", "verify", "accept", "claims")
+    },
+    "arguments: --dimensionless": "vibralign.assess in Python returns dimensionless numbers",
+    "arguments: --invocations": "--invocations is --starts now",
+    **{
+        f"arguments: --{name}": f"--{name} is gone: filter what --json prints"
+        for name in ("parameter", "since", "until", "current")
+    },
+}
 
 
 def add_command(
@@ -61,6 +75,8 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Refuse in one line, without the usage."""
+        said = f"{self.prog}: {message.removeprefix('argument command: ')}"
+        message += "".join(f": {words}" for old, words in _GONE.items() if old in said)
         if "unrecognized arguments" in message and re.search(r"\.ya?ml\b", message):
             message += ": a device file follows --device"
         self.exit(REFUSED, f"{self.prog}: error: {message} (see {self.prog} --help)\n")

@@ -103,6 +103,8 @@ def _unknown(
     others = {n: v for n, v in mapping.items() if n not in (SECTION, SAMPLES)}
     free = dict(_section("free", mapping))
     given = _section(SECTION, mapping)
+    blank = {name for name, _ in given} | replaced_by(name for name, _ in given)
+    others = {n: v for n, v in others.items() if v is not None or n not in blank}
     ranges, middles = read_unknown(given, others, free, changes, unit_of)
     samples = None
     if mapping.get(SAMPLES) is not None:

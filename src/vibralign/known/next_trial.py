@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from model.runs.settings import Settings
 from vibralign.answers.reliability import Floats
 from vibralign.device import StatedDevice
+from vibralign.device.instead import INSTEAD
 from vibralign.known.doubt import entropy, unknowns_of
 from vibralign.known.possible import (
     TOUCH_DOWNS,
@@ -138,7 +139,8 @@ def next_of(
     trials = [Worth(_words(each), information(x, verdict), setting) for each, setting, x in times]
     doubt, bench = float(entropy(verdict.mean())), []
     for one in unknowns_of(device.unknown, sets, verdict):
-        words = f"measure {one.name}: {BENCH.get(one.name, 'to a tenth of its range')}"
+        how = BENCH.get(INSTEAD[one.name].parameter if one.name in INSTEAD else one.name)
+        words = f"measure {one.name}: {how or 'to a tenth of its range'}"
         bench.append(Worth(words, max(0.0, one.worth) * doubt, {}))
     return Next(intended, float(verdict.mean()), adds, _sorted(trials), _sorted(bench))
 

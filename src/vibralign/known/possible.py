@@ -59,8 +59,8 @@ def check_known(device: StatedDevice) -> None:
         missing.append("contact_stiffness: 1 MN/m (or materials and edge_radius)")
     if missing:
         raise ValueError(
-            f"{device.source}: what is possible has no share while these are not stated; state "
-            f"them, or a range below unknown: {'; '.join(missing)}"
+            f"{device.source}: a share of what is possible needs these lines, or ranges of them "
+            f"below unknown: {'; '.join(missing)}"
         )
 
 

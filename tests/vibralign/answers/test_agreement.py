@@ -59,7 +59,7 @@ from vibralign.device.runs import of_device
 from vibralign.plots import device_sheet
 
 SQUARE = Path(__file__).resolve().parents[2] / "square"
-COUNT, MANY = 8, 60
+COUNT, MANY = 3, 60
 TILTS = (None, "0.2 deg", "-0.1 deg ± 0.2 deg", "0.1 deg σ 0.1 deg")
 APPROACHES = (
     {"approach_speed": "sudden"},

@@ -308,8 +308,10 @@ def test_a_start_that_makes_no_sense_is_answered_with_what_to_write(given, words
 
 @pytest.mark.parametrize(
     "closed",
-    [">&-", "<&- >&- 2>&-"]
-    + [pytest.param(each, marks=pytest.mark.nightly) for each in ("<&-", "2>&-", ">&- 2>&-")],
+    ["<&- >&- 2>&-"]
+    + [
+        pytest.param(each, marks=pytest.mark.nightly) for each in (">&-", "<&-", "2>&-", ">&- 2>&-")
+    ],
 )
 def test_standard_streams_may_be_closed(tmp_path, closed):
     picture = tmp_path / "run.svg"
@@ -320,7 +322,9 @@ def test_standard_streams_may_be_closed(tmp_path, closed):
     assert picture.read_text(encoding="utf-8").startswith("<?xml")  # and nothing else came into it
 
 
-@pytest.mark.parametrize("full", [">/dev/full", ">/dev/full 2>&1"])
+@pytest.mark.parametrize(
+    "full", [">/dev/full 2>&1", pytest.param(">/dev/full", marks=pytest.mark.nightly)]
+)
 def test_full_standard_streams_are_a_failure(full):
     command = f"{sys.executable} -m vibralign.commands.main simulate --horizon 1 {full}"
     run = subprocess.run(["sh", "-c", command], capture_output=True, text=True, check=False)
