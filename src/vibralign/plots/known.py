@@ -3,6 +3,7 @@
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from vibralign.answers.si import display
 from vibralign.device import StatedDevice
@@ -15,9 +16,10 @@ from vibralign.plots.style import CENTIMETRE, Floats
 _BINS = 16
 
 
-def _scaled(name: str, values: Floats) -> tuple[Floats, str]:
-    """Return values in the unit in which they are read, and the label of their axis."""
-    unit, one = display(float(np.abs(values).max()), quantity_of(name)[1])
+def _scaled(name: str, values: Floats, device: StatedDevice) -> tuple[Floats, str]:
+    """Return values in the unit of the file, or in which they are read, and the axis' label."""
+    usual = display(float(np.abs(values).max()), quantity_of(name)[1])
+    unit, one = device.written.get(name, usual)
     return values / one, f"{name} ({unit})" if unit else name
 
 
@@ -27,13 +29,13 @@ def doubt_map(found: Possible, device: StatedDevice) -> Figure:
     with style.context():
         figure = style.new_figure(height=9.5 * CENTIMETRE)
         axes = figure.subplots()
-        x, label = _scaled(names[0], found.sets[names[0]])
+        x, label = _scaled(names[0], found.sets[names[0]], device)
         y = np.arange(x.size) / x.size
         axes.set_xlabel(label)
         if len(names) == 1:
             axes.set_yticks([])
         else:
-            y, label = _scaled(names[1], found.sets[names[1]])
+            y, label = _scaled(names[1], found.sets[names[1]], device)
             axes.set_ylabel(label)
         for verdict, mark, colour, words in (
             (True, "o", style.BLUE, "reliable"), (False, "x", style.VERMILLION, "not reliable"),
@@ -57,14 +59,16 @@ def calibration(found: Calibration) -> Figure:
             axes = figure.add_subplot(grid[0, 2 * i : 2 * i + 2])
             _marginal(axes, found, name, sets[name], first=not i)
         middle = len(names)
-        _pair(figure.add_subplot(grid[1, :middle]), sets)
-        _times(figure.add_subplot(grid[1, middle:]), found)
+        _pair(figure.add_subplot(grid[1, :middle]), sets, found.device)
+        times = figure.add_subplot(grid[1, middle:])
+        _times(times, found)
+        figure.legend(*times.get_legend_handles_labels(), loc="outside lower right", ncols=3)
     return figure
 
 
 def _marginal(axes: Axes, found: Calibration, name: str, values: Floats, *, first: bool) -> None:
     ends = np.array(found.device.unknown[name])
-    after, label = _scaled(name, np.concatenate([ends, values]))
+    after, label = _scaled(name, np.concatenate([ends, values]), found.device)
     before = found.device.unknown[name].at(np.linspace(0.0, 1.0, 400)) * after[1] / ends[1]
     bins = np.linspace(after[0], after[1], _BINS + 1).tolist()
     axes.hist(before, bins, density=True, histtype="step", color=style.GREY, label="before")
@@ -74,7 +78,7 @@ def _marginal(axes: Axes, found: Calibration, name: str, values: Floats, *, firs
         axes.legend()
 
 
-def _pair(axes: Axes, sets: dict[str, Floats]) -> None:
+def _pair(axes: Axes, sets: dict[str, Floats], device: StatedDevice) -> None:
     """Draw the pair of unknowns that is most correlated."""
     names = list(sets)
     if len(names) < 2:
@@ -82,8 +86,8 @@ def _pair(axes: Axes, sets: dict[str, Floats]) -> None:
         return
     table = np.abs(np.corrcoef([sets[name] for name in names])) - 2.0 * np.eye(len(names))
     one, two = np.unravel_index(int(table.argmax()), table.shape)
-    x, x_label = _scaled(names[int(one)], sets[names[int(one)]])
-    y, y_label = _scaled(names[int(two)], sets[names[int(two)]])
+    x, x_label = _scaled(names[int(one)], sets[names[int(one)]], device)
+    y, y_label = _scaled(names[int(two)], sets[names[int(two)]], device)
     axes.plot(x, y, ".", color=style.BLUE, markersize=2.5)
     axes.set(xlabel=x_label, ylabel=y_label)
 
@@ -102,4 +106,4 @@ def _times(axes: Axes, found: Calibration) -> None:
     axes.plot(rows, observed, "o", color=style.VERMILLION, label="observed")
     axes.plot(rows[fails], np.full(fails.sum(), top), "X", color=style.VERMILLION, label="failed")
     axes.set(xlabel="trial", ylabel="alignment time (ms)")
-    axes.legend()
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
