@@ -25,7 +25,8 @@ def run_on_copy(
     folder: Path, room: str, edit: Edit | None, tests: Sequence[str]
 ) -> subprocess.CompletedProcess[str]:
     """Run tests until one fails, on a copy of the package with an edit below ``src/model/room``."""
-    shutil.copytree(PROJECT / "src", folder / "src")
+    for copied in ("src", "config"):  # the study's files lie beside its sources
+        shutil.copytree(PROJECT / copied, folder / copied)
     if edit is not None:
         file, old, new = edit
         path = folder / "src/model" / room / file

@@ -10,19 +10,9 @@ from functools import cache
 from typing import Any
 
 from model.compile.kernels import inlined_kernel
-from model.engine.series import (
-    Absolute,
-    Constant,
-    Line,
-    Sum,
-    TaylorSeries,
-    Unknown,
-    as_sum,
-    given,
-    sum_of,
-    symbols_of,
-)
+from model.engine.series import Sum, as_sum, given, sum_of, symbols_of
 from model.engine.series_layout import LINES, ORDER
+from model.engine.series_rules import Absolute, Constant, Line, TaylorSeries, Unknown
 from model.engine.workspace import LINE, MODE_LINE
 from model.events.event_functions import ABSENT
 from model.events.insertion import LEFT_WALL, RIGHT_SIDE, RIGHT_WALL

@@ -9,25 +9,24 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from model.compile.vector_code import VectorWriter
-from model.engine.series import (
-    STATES,
-    Constant,
-    Convolved,
-    Product,
-    Quotient,
-    Rate,
-    Root,
-    Sum,
-    SumSeries,
-    TaylorSeries,
-    Terms,
-)
+from model.engine.series import STATES, Sum
 from model.engine.series_layout import (
     FURTHER_LINES,
     LINES,
     ORDERS,
     TILT,
     Layout,
+)
+from model.engine.series_rules import (
+    Constant,
+    Convolved,
+    Product,
+    Quotient,
+    Rate,
+    Root,
+    SumSeries,
+    TaylorSeries,
+    Terms,
 )
 
 _FIRST = "0"  # order

@@ -9,16 +9,13 @@ registers.
 from collections.abc import Iterator
 from copy import copy
 
-from model.engine.series import (
-    LACK_OF_PRESS,
-    STATES,
+from model.engine.series import LACK_OF_PRESS, STATES, EventQuantities, Recurrences
+from model.engine.series_rules import (
     Convolved,
     Cosine,
-    EventQuantities,
     Lack,
     Product,
     Rate,
-    Recurrences,
     Sine,
     StateVariable,
     SumSeries,

@@ -10,7 +10,7 @@ from study.claims import CLAIMS, VERDICTS, tally
 from study.claims.ledger import Line, read_ledger
 from study.evidence.cases import KINDS
 from study.evidence.null import SHOWN
-from study.report.section import Results, Section, Table, link
+from study.report.section import Results, Section, Table, link, subscripts
 from vibralign.plots.words import figure_title, number, percent
 
 SIGNS: Mapping[str, str] = dict(zip(VERDICTS, ("✓", "✗", "–"), strict=True))
@@ -116,7 +116,7 @@ def _beside(lines: list[Line], cases: xr.Dataset, without: Collection[str]) -> T
     rows: list[tuple[object, ...]] = [
         (
             link(line.claim, f"#claim-{line.claim}"),
-            line.says,
+            subscripts(line.says),
             SIGNS[line.verdict],
             *(SIGNS[VERDICTS[verdict]] for verdict in column),
             percent(line.random),

@@ -242,7 +242,7 @@ def _not_stated(result: "Assessment", stated: StatedDevice) -> str:
     if stated.stated_shape is None:
         open_ones["shape"] = ()
     if not open_ones:
-        return "nothing that an approach, a base or a gripper has"
+        return "nothing: approach, base and gripper's tilt are stated"
     words = f"{', '.join(open_ones)}: tried as above"
     tried = {name: each for name, each in open_ones.items() if len(each) > 1}
     if not tried:
