@@ -75,7 +75,8 @@ def unknowns_of(
 
 
 def _first_order(x: Floats, verdict: Bools) -> float:
-    classes = np.array_split(verdict[np.argsort(x, kind="stable")].astype(float), CLASSES)
+    count = max(2, min(CLASSES, verdict.size // 4))
+    classes = np.array_split(verdict[np.argsort(x, kind="stable")].astype(float), count)
     variance = float(verdict.astype(float).var())
     if variance == 0.0:
         return np.nan

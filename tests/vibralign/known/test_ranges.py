@@ -8,7 +8,7 @@ from scipy.stats import qmc
 
 from model.events.insertion import INSERTION
 from model.runs.settings import Settings
-from vibralign import DoubtWarning, known_in_part, load_device, simulate
+from vibralign import DoubtWarning, covering, known_in_part, load_device, simulate
 from vibralign.commands import main as cli
 from vibralign.device.unknown import Range
 from vibralign.known.doubt import unknowns_of
@@ -154,6 +154,23 @@ def test_assess_answers_over_what_is_possible(tmp_path, capsys):
     for option in (["--sheet", str(tmp_path / "a.html")], ["--bases"], ["--details"]):
         assert cli.main(["assess", "--device", str(path), *option]) == cli.REFUSED
         assert "while quantities are unknown" in capsys.readouterr().err
+
+
+def test_the_setting_covers_most_of_what_is_possible(tmp_path):
+    free = PART + "free: {press_force: 4 to 40 N, amplitude: 1 to 2.5 mm}\n"
+    device = load_device(device_file(tmp_path, free))
+    found = covering(device, count=4, sets=16)
+    assert found.tried == 8
+    assert found.setting.keys() == {"press_force", "amplitude"}
+    for name, value in found.setting.items():
+        assert device.free[name][0] <= value <= device.free[name][1]
+    again = known_in_part(device.changed(**found.setting), sets=16)
+    assert again.share == found.possible.share
+    hardest = known_in_part(device.changed(press_force=40.0, amplitude=1e-3), sets=16)
+    assert found.possible.share > hardest.share
+    assert 0.0 <= found.knowing_adds <= 1.0 - found.possible.share + 0.2
+    with pytest.raises(ValueError, match="nothing is free"):
+        covering(device_file(tmp_path))
 
 
 def test_doubtful_values_are_still_named(tmp_path):
