@@ -5,7 +5,6 @@ from pathlib import Path
 from snakemake.exceptions import WorkflowError
 from snakemake.utils import min_version
 
-from study.config import COMPUTED, FIGURES, GRIDDED, MAPS, SCHEMATICS
 from study.config import ConfigError, check_files, check_study, study_files
 from study.config.base import results_folder
 from study.tracking.starts import begin, configure, refuse_module

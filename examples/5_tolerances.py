@@ -15,6 +15,7 @@ stated = load_device("peg.yaml", {"misalignment": "0.9 mm ± 0.5 mm"})  # worse 
 phases = np.linspace(0.0, 2.0 * np.pi, 8, endpoint=False)
 starts = [{"phase": phase, "gripper_tilt": 0.001} for phase in phases]
 found, drawn = yield_of(stated, starts, Settings(tolerance=1e-6), devices=512)
+print(found.blame)  # of the failures, and of the spread of times
 print(f"{100 * found.share:.1f} % align, {100 * found.low:.1f} to {100 * found.high:.1f} %")
 
 figure, (devices, blame) = plt.subplots(1, 2, figsize=(9, 4), layout="constrained")

@@ -2,11 +2,9 @@
 A round peg and a square one
 ============================
 
-A round peg is reliable on 39 % of the plane of misalignment and press force, the same one, square,
-on 82 %; over amplitude and frequency on 58 and 74 %. Beyond the dotted line the press does not tilt
-it: only parts that the vibration lifts off go in there. What helps is amplitude (60 % at 3 mm in
-place of 1.5) and clearance (55 % at 6 % in place of 4). An initial tilt does not: it shortens the
-lever of parts that start closer. A chamfer is not modelled.
+Lowered still, pressed and then vibrated, a round peg is reliable on less of both planes than the
+same one, square: the legends have the shares. Beyond the dotted line the press does not tilt a
+round part, and only those that the vibration lifts off go in.
 """
 
 from dataclasses import replace
@@ -16,10 +14,10 @@ import numpy as np
 
 from vibralign import load_device, reliable_at
 
-stated = load_device("peg.yaml")
+stated = load_device("peg.yaml").changed(vibrator="still", approach_speed="10 mm/s")
 planes = {  # quantities with their symbols and ranges, in mm, N and Hz
-    "misalignment": (np.linspace(0.25, 2.0, 24), "press_force", "N", np.linspace(1.0, 25.0, 24)),
-    "amplitude": (np.linspace(0.1, 3.0, 24), "frequency", "Hz", np.linspace(5.0, 150.0, 24)),
+    "misalignment": (np.linspace(0.25, 2.0, 12), "press_force", "N", np.linspace(1.0, 25.0, 12)),
+    "amplitude": (np.linspace(0.1, 3.0, 12), "frequency", "Hz", np.linspace(5.0, 150.0, 12)),
 }
 figure, panels = plt.subplots(1, 2, figsize=(9, 4), layout="constrained")
 shares = {}

@@ -21,15 +21,19 @@ from typing import Any
 import pytest
 import yaml
 
-from study.config import CURVES, MAPS
+from study.config import load_study, study_path
 
 PROJECT = Path(__file__).resolve().parents[1]
 PARTS = ("Snakefile", "Makefile", "workflow", "config", "profiles", "requirements.lock")
+FIGURES = load_study(study_path())
 TINY: dict[str, Any] = {
     "results_root": "tiny",
     "figures": {
-        **{name: {"swept": {"count": 4}, "chunks": 1} for name in CURVES},
-        **{name: {"x": {"count": 4}, "y": {"count": 3}, "chunks": 1} for name in MAPS},
+        **{name: {"swept": {"count": 4}, "chunks": 1} for name in FIGURES.named("curves")},
+        **{
+            name: {"x": {"count": 4}, "y": {"count": 3}, "chunks": 1}
+            for name in FIGURES.named("map")
+        },
         "fig13": {"x": {"count": 4}, "y": {"count": 3}, "chunks": 3},
     },
     "maps": {
@@ -97,16 +101,19 @@ PATIENCE = 86_400 if BUILT_TWICE == "full" else 3_600  # seconds: a hanging Snak
 # anew.
 PRELOADED = """
 import atexit, gc, json, os, runpy, select, signal, socket, sys
-import matplotlib.pyplot, netCDF4, pint, scipy.ndimage, scipy.special, smart_open, xarray
+import fontTools.subset, matplotlib.pyplot, netCDF4, pint, scipy.ndimage, scipy.special, smart_open
+import matplotlib.backends.backend_agg, matplotlib.backends.backend_pdf
+import matplotlib.backends.backend_svg, xarray
 import snakemake.cli, snakemake.report.html_reporter
-import study.claims, study.config, study.plans, vibralign
+import study.claims, study.config, study.explorer, study.plans, study.plots, study.report.page
+import study.schematics, verification.bench.work_precision, vibralign
 from model.engine.lane_events import lane_events_of
 from model.events.kernels import in_kernels
 
 for scene in vibralign.ALIGNMENT, vibralign.INSERTION:
     lane_events_of(in_kernels(scene).events)  # derived once
 
-OWN = "model", "vibralign", "study"
+OWN = "model", "vibralign", "study", "verification"
 READ_AT_IMPORT = "PYTHONPATH", "XDG_CACHE_HOME"
 sys.executable = os.path.abspath("python")  # with which Snakemake runs scripts
 gc.freeze()  # forks need not look through what they share
@@ -136,6 +143,7 @@ while sys.stdin not in select.select([listener, sys.stdin], [], [])[0]:  # close
     folder, environment, (name, *arguments) = json.loads(told)
     os.dup2(written[0], 1), os.dup2(written[1], 2)
     os.chdir(folder)
+    sys.modules.pop("study.tracking.records", None)  # it knows the script that imports it
     if any(environment.get(each) != os.environ.get(each) for each in READ_AT_IMPORT):
         sys.path[:0] = environment["PYTHONPATH"].split(os.pathsep)
         for each in [each for each in sys.modules if each.split(".")[0] in OWN]:

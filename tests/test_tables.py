@@ -41,7 +41,7 @@ EDITS = [
         '    first_height: Real = entry("height of the centre at the start", LENGTH)\n',
     ),
     (
-        "engine/lifecycle.py",
+        "engine/start.py",
         "    q, mode = start(p, scene.declared)\n",
         "    runs[i, AT.first_height] = q.y\n",
     ),

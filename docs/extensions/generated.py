@@ -173,7 +173,7 @@ class _Described(GenerateJsonSchema):
     def model_schema(self, schema: Any) -> JsonSchemaValue:
         made = super().model_schema(schema)
         for model in schema["cls"].__mro__:
-            if model.__module__.startswith("model."):
+            if model.__module__.startswith(("model.", "study.")):
                 for name, meaning in _meanings(model).items():
                     made["properties"][name].setdefault("description", meaning)
         return made

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model.sweeps.axes import Axis, Family
-from study.config.figures import CURVES, HISTORIES, MAPS, Curves, Map
+from study.config.figures import Curves, Map
 from study.config.study import Study
 from vibralign.answers.assumptions import assumptions
 from vibralign.explorer.content import DEFAULT_AXES, described, page_model
@@ -24,9 +24,9 @@ def study_model(
 ) -> dict[str, Any]:
     """Return the content of the study's page.
 
-    ``maps`` are the datasets of MAPS.
+    ``maps`` are the datasets of the figures that are maps, in order.
     """
-    presets = {name: _figure(study, name) for name in sorted((*HISTORIES, *CURVES, *MAPS))}
+    presets = {name: _figure(study, name) for name in study.computed}
     baseline = study.baseline.given()
     for name, case in study.precision.hard.cases.items():
         values = study.baseline.replace(**case.at).given()
@@ -38,8 +38,11 @@ def study_model(
         ),
         "parameters": described(baseline, None, [*study.operating_point], _axes(study)),
         "presets": {name: DEFAULT_AXES | each for name, each in presets.items()},
-        "first": CURVES[0],
-        "maps": {name: _stored_map(study, name, of) for name, of in zip(MAPS, maps, strict=False)},
+        "first": study.named("curves")[0],
+        "maps": {
+            name: _stored_map(study, name, of)
+            for name, of in zip(study.named("map"), maps, strict=False)
+        },
     }  # fmt: skip
 
 
@@ -68,7 +71,7 @@ def _stored_map(study: Study, name: str, data: Path) -> dict[str, Any]:
     from model.sweeps.sweep import START  # noqa: PLC0415
 
     spec, dataset = study.figures[name], read_dataset(data)
-    assert isinstance(spec, Map)  # noqa: S101 - one of MAPS
+    assert isinstance(spec, Map)  # noqa: S101 - a map
     tau = _square(dataset["tau_align"].values)
     known = tau[~np.isnan(tau)]
     least, most = (float(known.min()), float(known.max())) if known.size else (1.0, 1.0)

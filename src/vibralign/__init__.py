@@ -8,6 +8,7 @@ The rooms, each of which imports only from those above it, and from the package 
 
 - ``device``: device files, their quantities and units, runs of devices in SI units.
 - ``answers``: assessment, design, yield, maps, and the assumptions they rest on.
+- ``known``: devices that are known in part: ranges, trials, and what to measure next.
 - ``plots``: style and drawings of runs, curves and maps; the device sheet.
 - ``explorer``: the page that runs a device live.
 - ``commands``: the command ``vibralign``.
@@ -48,6 +49,10 @@ if TYPE_CHECKING:
     from vibralign.device.runs import align as align
     from vibralign.device.runs import simulate as simulate
     from vibralign.doubts import DoubtWarning as DoubtWarning
+    from vibralign.known.calibrate import Calibration as Calibration
+    from vibralign.known.calibrate import calibrate as calibrate
+    from vibralign.known.possible import known_in_part as known_in_part
+    from vibralign.known.settings import covering as covering
     from vibralign.studies import sweep as sweep
 
 # The names by their modules, which are imported when a name is used: together they take seconds.
@@ -69,6 +74,9 @@ _NAMES = {
     "vibralign.device.paper": "baseline",
     "vibralign.doubts": "DoubtWarning",
     "vibralign.device.runs": "align simulate",
+    "vibralign.known.calibrate": "Calibration calibrate",
+    "vibralign.known.possible": "known_in_part",
+    "vibralign.known.settings": "covering",
     "vibralign.studies": "sweep",
 }
 _PLACES = {name: module for module, names in _NAMES.items() for name in names.split()}
@@ -109,6 +117,8 @@ def __getattr__(name: str) -> Any:
         return importlib.import_module("model.sweeps.version").version()
     if name == "Readings":  # the name in the API
         return __getattr__("Variants")
+    if name == "read_device":
+        raise ImportError("vibralign.read_device: since release 2 write load_device")
     if name not in _PLACES:
         raise AttributeError(f"module 'vibralign' has no attribute {name!r}")
     return getattr(importlib.import_module(_PLACES[name]), name)

@@ -48,7 +48,7 @@ FROZEN = {
     "vibralign.load_device": "path changes",
     "vibralign.StatedDevice": """
         source quantities tolerances materials free limits changes vibrator sudden stated_shape
-        horizon insertion_depth notes written
+        horizon insertion_depth notes written unknown samples
     """,
     "vibralign.DoubtWarning": "",
     "vibralign.reliable_at": "device settings cores quantities",
@@ -65,6 +65,12 @@ FROZEN = {
         device settings ensemble cores generations population seed devices
     """,
     "vibralign.Design": "tried best limits checks free tolerances",
+    "vibralign.known_in_part": "device settings cores sets touch_downs_tried seed",
+    "vibralign.covering": "device settings cores tell count sets",
+    "vibralign.calibrate": """
+        device trials settings cores tell target touch_downs_tried seed
+    """,
+    "vibralign.Calibration": "device trials samples times horizon fit notes seconds",
     "vibralign.Variants": """
         normal_sign friction_law contact_damping_law side_gap side_force preload
         alignment_criterion moment_arms

@@ -15,7 +15,7 @@ import xarray as xr
 from study.__main__ import main
 from study.config import ConfigError, check_study, read_study, study_path
 from study.tracking import TrackingError
-from study.tracking.history import find_run, find_start, load_history, load_runs, write_index
+from study.tracking.history import find_run, find_start, load_history, load_runs
 from study.tracking.records import file_hash, named, records
 
 
@@ -239,9 +239,6 @@ def test_jobs_that_failed_and_jobs_that_were_killed_are_told_apart(kept: Path) -
     first = find_run(load_runs(kept), "plot/fig06@1")
     assert (first["status"], first["current"]) == ("done", False)
     assert load_history(kept)[-1]["outcome"] == "interrupted"
-    write_index(kept)
-    lines = (kept / "runs.csv").read_text(encoding="utf-8").splitlines()
-    assert len(lines) == 1 + len(load_runs(kept))
 
 
 def test_a_full_disk_leaves_no_word_and_is_named(kept: Path, monkeypatch: Any) -> None:

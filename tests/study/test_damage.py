@@ -4,21 +4,15 @@ import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 import xarray as xr
 
-from model.compile import cache, machine_code
-from model.compile.entries import compiled
-from model.compile.kernels import kernel
-from model.compile.webassembly import WebAssembly
-from model.runs import in_browser
 from model.sweeps.io import DatasetError, read_dataset, write_dataset
 from study.claims.ledger import read_ledger
 from study.csv_tables import TableError
-from study.tracking import TrackingError, code
+from study.tracking import TrackingError
 from study.tracking.compare import changed_verdicts
 from study.tracking.history import load_history
 from study.tracking.reference import verify
@@ -34,79 +28,6 @@ DAMAGES: dict[str, Callable[[bytes], bytes]] = {
     "a picture": lambda _: b"\x89PNG\r\n\x1a\n\x00\x00\xff",
     "other text": lambda _: b"[1, 2]\n",
 }
-
-
-@kernel
-def halved(x):
-    return 0.5 * x
-
-
-class Kernel:
-    """The compiled code of a kernel: compiled again."""
-
-    def __init__(self, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-        monkeypatch.setattr(cache, "cache_folder", lambda: folder)
-        self.use()
-        (self.path,) = folder.iterdir()
-
-    def use(self) -> None:
-        with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(machine_code, "_LOADED", {})  # as in another process
-            assert compiled(halved)(8.0) == 4.0
-
-
-class Outline:
-    """The hash and imports of a source file: worked out again."""
-
-    def __init__(self, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-        monkeypatch.setattr(code, "_outlines", lambda: folder)
-        self.expected = code._parsed.__wrapped__(Path(code.__file__))
-        (self.path,) = folder.iterdir()
-
-    def use(self) -> None:
-        assert code._parsed.__wrapped__(Path(code.__file__)) == self.expected
-
-
-class Page:
-    """The engine of a page: compiled again."""
-
-    def __init__(self, folder: Path, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
-        made = WebAssembly(b"\0asm" + bytes(range(200)), stack=0)
-        declared = in_browser._Declared(None, {"given": np.zeros(1)})
-        monkeypatch.setattr(in_browser, "_declared", lambda *_: declared)
-        monkeypatch.setattr(
-            in_browser,
-            "_compile_apart",
-            lambda folder, shape, scene: in_browser._compile(folder, shape, scene.name),
-        )
-        monkeypatch.setattr(in_browser, "web_assembly_of", lambda _: made)
-        monkeypatch.setattr(in_browser, "_folder", lambda *_: folder / "webassembly")
-        self.path = folder / "webassembly" / name
-        self.use()
-
-    def use(self) -> None:
-        assert in_browser.module_for().binary.startswith(b"\0asm")
-
-
-MADE_AGAIN: dict[str, Callable[[Path, pytest.MonkeyPatch], Any]] = {
-    "kernel": Kernel,
-    "outline of a source": Outline,
-    "interface of a page": lambda folder, patch: Page(folder, patch, "interface.json"),
-    "engine of a page": lambda folder, patch: Page(folder, patch, "engine.wasm"),
-}
-
-
-@pytest.mark.parametrize("damage", DAMAGES.values(), ids=list(DAMAGES))
-@pytest.mark.parametrize("kind", MADE_AGAIN.values(), ids=list(MADE_AGAIN))
-def test_what_can_be_made_again_is(tmp_path, monkeypatch, kind, damage):
-    made = kind(tmp_path, monkeypatch)
-    made.use()
-    whole = made.path.read_bytes()
-    made.path.write_bytes(damage(whole))
-    made.use()
-    assert len(made.path.read_bytes()) == pytest.approx(len(whole), abs=64)
-    made.path.unlink()
-    made.use()
 
 
 @dataclass(frozen=True)

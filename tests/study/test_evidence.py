@@ -5,13 +5,13 @@ import shutil
 import numpy as np
 import pytest
 
+from model.physics import forces
 from model.sweeps.axes import Axis
 from study.claims import CLAIMS, checks
 from study.config import Study, check_study, load_study, read_study, study_path
 from study.evidence.cases import KINDS, cases_dataset, cases_plan
 from study.evidence.null import (
     NullError,
-    check_physics,
     null_plan,
     null_text,
     stored_null,
@@ -52,15 +52,8 @@ def test_the_stored_verdicts_are_those_of_the_study() -> None:
     found = stored_null(plan)
     assert found.verdicts.shape == (plan.count, len(CLAIMS))
     assert [*found.shares] == [claim.id for claim in CLAIMS]
-    check_physics(plan, found)
-
-
-def test_other_physics_are_seen(plan, stored) -> None:
-    found = stored_null(plan, stored)
-    check_physics(plan, found)
-    others = found._replace(verdicts=(found.verdicts + 1) % 3)
-    with pytest.raises(NullError, match=r"other physics; .* make null"):
-        check_physics(plan, others)
+    again = verdicts_of(plan.space, plan.devices[:4], plan.grid)
+    assert (again == found.verdicts[:4]).mean() > 0.95  # rounding turns some
 
 
 def test_what_was_stored_is_read_again(plan, stored) -> None:
@@ -70,14 +63,14 @@ def test_what_was_stored_is_read_again(plan, stored) -> None:
     assert found.shares["L01"] == (found.verdicts[:, 0] == 0).mean()
 
 
-@pytest.mark.parametrize("change", ["priors", "list", "grid", "count"])
+@pytest.mark.parametrize("change", ["priors", "list", "physics", "grid", "count"])
 def test_a_key_that_no_longer_fits_is_refused_with_the_command(
     plan, stored, change, monkeypatch, tmp_path
 ) -> None:
-    if change == "list":
-        copy = tmp_path / "checks.py"
-        shutil.copy(checks.__file__, copy)
-        monkeypatch.setattr(checks, "__file__", str(copy))
+    if module := {"list": checks, "physics": forces}.get(change):
+        copy = tmp_path / "copy.py"
+        shutil.copy(module.__file__, copy)
+        monkeypatch.setattr(module, "__file__", str(copy))
         assert stored_null(plan, stored)
         with copy.open("a", encoding="utf-8") as file:
             file.write("# a comment is no change\n")
@@ -122,7 +115,7 @@ def test_without_a_file_or_with_a_damaged_one_the_command_is_named(plan, stored,
 def test_cases_are_the_device_itself_near_ones_assumptions_and_others(study) -> None:
     space = space_of(study)
     own = own_values(study, space)
-    others = {"twin": own}
+    others = {"wide": own}
     plan = cases_plan(
         study.model_copy(update={"evidence": study.evidence.model_copy(update={"others": others})})
     )

@@ -8,6 +8,7 @@ import yaml
 
 from model.runs.unvibrated import unvibrated
 from model.sweeps.sweep import merge, run
+from study.claims import judge
 from study.claims.data import figure_of
 from study.claims.regime import regime_of
 from study.config import load_study, study_path
@@ -23,7 +24,7 @@ TINY = Grid(
     tolerance=1e-6,
 )
 EFFORT = {"seed": 5, "half_width": {"low": 0.8, "high": 1.2}, "limited": True,
-          "start": "simultaneous", "drawn": 2, "moved": 1, "refined": 1}  # fmt: skip
+          "drawn": 2, "moved": 1, "refined": 1}  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -150,3 +151,32 @@ def test_the_same_seed_ends_at_the_same_set_within_its_bounds(space) -> None:
     stated = yaml.safe_load(result_text(space, found))
     assert stated["entries"] == len(found.shown) == len(stated["shown"].split())
     assert set(stated["held"]) == set(space.figures)
+
+
+def test_a_search_by_an_entry_that_is_none_is_refused(space) -> None:
+    effort = Effort.model_validate(EFFORT | {"entries": ["L01", "L99"]})
+    with pytest.raises(ValueError, match="the ledger has no L99"):
+        search(space, effort)
+
+
+def test_entries_held_out_judge_no_set_but_are_told(space, study) -> None:
+    structure = space.point(own_values(study, space))[space.places["structure"]]
+    random = np.random.default_rng(2)
+    points = {name: random.random((2, space.places[name].stop - space.places[name].start))
+              for name in space.figures}  # fmt: skip
+    none, one, other, both = (
+        Choice(space, space.problem.limits, structure, points, TINY, entries=entries)
+        for entries in ([], ["L01"], ["L12"], ["L01", "L12"])
+    )
+    for row in range(2):
+        limits, first, second, together = (
+            each.score(dict.fromkeys(points, row)) for each in (none, one, other, both)
+        )
+        assert together - limits == pytest.approx(first + second - 2.0 * limits)
+        assert first > limits
+    found = none.best(np.random.default_rng(3))
+    rows = {name: int(np.flatnonzero((points[name] == found.point[space.places[name]]).all(1))[0])
+            for name in points}  # fmt: skip
+    chosen = {name: none.figures[name][row] for name, row in rows.items()}
+    told = {claim.id for claim, verdict in judge(chosen) if verdict.verdict == "shown"}
+    assert {*found.shown} == told

@@ -4,9 +4,11 @@ import base64
 import re
 import shutil
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import xarray as xr
 from markupsafe import escape
 
 from model.events.outcomes import InsertionOutcome, Outcome, Reason, Unvibrated
@@ -14,12 +16,12 @@ from model.physics.parameters import OF_PAPER
 from model.physics.variants import VARIANT_NAMES
 from model.sweeps.io import write_dataset
 from study.claims import CLAIMS, tally
-from study.config import FIGURES, MAPS
 from study.jamming import entered, jammed, wedging_side
 from study.report import background
 from study.report.background import VARIANT_WORDS
 from study.report.figures import HEAD, Counts
 from study.report.findings import wedging_words
+from study.report.ledger import held_out
 from study.report.section import Results, subscripts
 from tests.study.report_data import PIXEL, Page, article, plain, render_report
 from tests.vibralign.plots.drawn import jamming_data
@@ -45,13 +47,13 @@ def test_the_page_is_well_formed_and_asks_for_nothing_from_outside(rendered):
         assert not re.match(r"[a-z]+:|/", anchor["href"])
 
 
-def test_every_link_inside_the_page_leads_somewhere(rendered):
+def test_every_link_inside_the_page_leads_somewhere(rendered, study):
     page = Page(rendered)
     places = [attributes["id"] for _, attributes in page.elements if "id" in attributes]
     assert len(set(places)) == len(places)
     inside = [each["href"][1:] for each in page.all("a") if each["href"].startswith("#")]
     assert set(inside) <= set(places)
-    assert set(inside) >= set(FIGURES)
+    assert set(inside) >= set(study.figures)
 
 
 def test_every_figure_has_its_picture_with_words_for_who_cannot_see_it(rendered, study):
@@ -145,13 +147,13 @@ def with_flags(dataset, name, meanings, of_aligned):
     return dataset.assign({name: (dataset["outcome"].dims, flags, attributes)})
 
 
-def test_shares_of_the_answer_are_the_least_and_the_most_of_the_figures(rendered, datasets):
+def test_shares_of_the_answer_are_the_least_and_the_most_of_the_figures(rendered, datasets, study):
     text = answer_of(rendered)
     went_in, reliable = {}, {}
     for name, dataset in datasets.items():
         inserted = dataset["insertion"].values == InsertionOutcome.INSERTED
         went_in[name] = inserted.sum() / (dataset["outcome"].values == Outcome.ALIGNED).sum()
-    for name in MAPS:
+    for name in study.named("map"):
         nodes = datasets[name]["outcome"].values[::2, ::2] == Outcome.ALIGNED
         reliable[name] = (datasets[name]["reliable"].values[nodes] == 1).mean()
     for shares, words in ((went_in, "goes in"), (reliable, "still aligns if it starts a little")):
@@ -213,6 +215,18 @@ def test_numbers_are_written_without_a_computers_exponent(rendered):
     assert not re.search(r"\de[+-]\d\d", re.sub(r"data:image[^\"]*", "", rendered))
 
 
+def test_entries_held_out_are_counted(study) -> None:
+    verdicts = np.array([[0, 0, 0, *[1] * (len(CLAIMS) - 3)]], np.int8)
+    cases = xr.Dataset(
+        {"verdict": (("case", "entry"), verdicts)},
+        {"case": ["odd"], "entry": [claim.id for claim in CLAIMS]},
+    )
+    results = SimpleNamespace(study=study, dataset=lambda _: cases)
+    assert held_out(results) == "1 of 15", "by L01, L03, …: of the others it shows L02"
+    results.dataset = lambda _: cases.isel(case=[])
+    assert held_out(results) == ""
+
+
 def test_error_against_cost_is_told_in_sentences_pictures_and_tables(
     rendered, study, timed_settings
 ):
@@ -235,6 +249,7 @@ def test_a_table_for_each_error_has_a_row_for_every_case_and_a_column_for_every_
     text = plain(part)
     words = "RK4, fixed steps: keeps 10⁻⁵ in 1 of 2 cases judged by the independent solution"
     assert f"{words}, and in 0 of 1 cases judged by our own engine." in text
+    assert "0 of 0" not in text, "a method that runs no case of a judge has no number there"
     assert text.count("base ka = 100, ha = 0horizon reached10⁻¹²8") == 2
     assert "error 3 × 10⁻⁴" in text
     overturning = "tilt through 90°left scene10⁻¹²8right outcome"

@@ -1,12 +1,8 @@
 """Accuracy trials: their law, tables and checks."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
-from model.runs.simulate import simulate_once
-from verification import accuracy
 from verification.accuracy import (
     FARTHEST,
     is_wrong,
@@ -14,7 +10,6 @@ from verification.accuracy import (
     judge_settled,
     read_tables,
     run_trial,
-    summary,
     write_table,
 )
 from verification.trials import TRIALS, trial_of
@@ -69,11 +64,6 @@ def test_a_sidecar_states_what_is_held_and_what_is_drawn(trial):
     assert drawn["press_force"]["start"] == trial.ranges["press_force"].low
 
 
-def test_identity_is_that_of_the_numbers(trial):
-    assert trial.identity == trial.model_copy().identity
-    assert trial.identity != trial.model_copy(update={"seed": trial.seed + 1}).identity
-
-
 @pytest.fixture(scope="module")
 def tables(fixed_study, tmp_path_factory):
     """Both trials on a few sets, through files."""
@@ -112,43 +102,6 @@ def test_truths_are_given_for_every_certain_alignment(tables):
         assert (error <= 10 * table["tau_error"][certain]).all()
 
 
-def test_a_run_that_does_not_settle_again_is_carried_on_itself(fixed_study, monkeypatch):
-    def unsettled(p, settings):
-        return simulate_once(p, replace(settings, may_settle=False))
-
-    monkeypatch.setattr(accuracy, "simulate_once", unsettled)
-    trial = trial_of(fixed_study, "settled")
-    sets = np.array([15645])
-    table = accuracy._settled(trial.batch(sets), trial.settings.settings, longer=2.0, cores=1)
-    assert table["outcome"].tolist() == [Outcome.SETTLED]
-    assert table["settled_at"][0] < trial.settings.horizon
-    assert table["repeats"].tolist() == [1]
-    assert not is_wrong({"set": sets, **table}).any()
-
-
-@pytest.mark.parametrize("tolerance", [1e-9, 1e-10, 1e-11])
-def test_a_course_repeats_after_its_period_only_and_once_it_is_periodic(fixed_study, tolerance):
-    trial = trial_of(fixed_study, "settled")
-    p = trial.batch(np.array([1565]))[0]  # a period of eight excitations from about 90 on
-    excitation = 2.0 * np.pi / p.frequency
-    long = replace(trial.settings.settings, tolerance=tolerance, horizon=600.0, may_settle=False)
-    for since, excitations, repeats in ((200.0, 8, True), (200.0, 1, False), (0.0, 8, False)):
-        found = accuracy._repeats(p, long, since, excitations * excitation)
-        assert found == (Outcome.HORIZON_REACHED, repeats)
-
-
-def test_a_course_that_settles_later_is_followed_to_there(tables, monkeypatch):
-    trial, table, _ = tables["settled"]
-    usual = trial.settings.settings
-    monkeypatch.setattr(accuracy, "align", lambda batch, _, cores: align(batch, usual, cores=cores))
-    early = trial.settings.model_copy(update={"horizon": 20.0})
-    late = run_trial(trial.model_copy(update={"settings": early, "longer": 30.0}), 0, 1)
-    settled = late["outcome"] == Outcome.SETTLED
-    assert (late["settled_at"][settled] > 20.0).any()
-    assert np.array_equal(late["settled_at"], table["settled_at"], equal_nan=True)
-    assert not is_wrong(late).any()
-
-
 def test_settled_sets_are_run_on(tables):
     trial, table, _ = tables["settled"]
     settled = table["outcome"] == Outcome.SETTLED
@@ -158,12 +111,6 @@ def test_settled_sets_are_run_on(tables):
     assert (table["settled_at"][settled] <= trial.settings.horizon).all()
     assert np.isnan(table["later_moved"][~settled]).all()
     assert not is_wrong(table).any()
-
-
-def test_the_summary_names_both_trials(tables):
-    text = summary(tables["error"][1], tables["settled"][1])
-    for part in ("flagged sensitive", "independent solution", "wrongly settled"):
-        assert part in text
 
 
 def test_chunks_that_are_missing_or_different_are_refused(tables):

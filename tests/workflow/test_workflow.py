@@ -1,12 +1,11 @@
 """The workflow: what it refuses, what is a target, and that the same study gives the same bytes."""
 
-import csv
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from study.tracking.history import load_history
+from study.tracking.history import load_history, load_runs
 from study.tracking.records import records
 
 
@@ -72,9 +71,7 @@ def test_accuracy_prints_what_it_found_whether_or_not_it_computes(workspace: Any
     found = (root / "accuracy/summary.txt").read_text(encoding="utf-8")
     assert "error below tau_error" in found
     assert found in run.stdout
-    with (root / "runs.csv").open(encoding="utf-8", newline="") as stream:
-        indexed = {row["run"] for row in csv.DictReader(stream)}
-    assert indexed == {
+    assert {each["run"] for each in load_runs(root)} == {
         "kernels",
         "trial/error/0",
         "trial/error/1",

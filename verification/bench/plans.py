@@ -13,8 +13,8 @@ if TYPE_CHECKING:
 
 # Paths of the pictures, below the results root and without extension.
 PICTURES: Mapping[str, str] = {
-    "evaluations": "figures/precision",
     "times": "benchmarks/precision",
+    "evaluations": "figures/precision",
     "stability": "figures/stability",
 }
 

@@ -1,8 +1,8 @@
 """Second statement of the model, to verify the package: contacts, forces, friction.
 
 It shares no code with ``model`` but the class ``Parameters``. Vectors of the plane are complex
-numbers. A contact is a place with a tangent and a normal, and the moment of a force is r × F. Only
-the consistent variant of the equations; all quantities are dimensionless.
+numbers. A contact is a place with a tangent and a normal, and the moment of a force is r × F. All
+quantities are dimensionless. The paper's printed readings are in printed.py.
 """
 
 import cmath
@@ -16,6 +16,7 @@ from model.physics.parameters import Parameters
 
 State = NDArray[np.float64]
 RIGHT, LEFT = 1, -1
+CLEARS = 1e-3  # height over the base at which a descent begins, besides the swing
 # The contacts of the two groups, as fields of ``Mode``, edges before corners.
 SUPPORT, SIDE = ("face", "right_side", "corner", "right_wall"), ("side", "left_wall")
 
@@ -68,8 +69,9 @@ class Body(NamedTuple):
 class Touch(NamedTuple):
     """A contact; ``place`` is relative to the mass centre.
 
-    ``drift`` is the part of the slip acceleration that depends on velocities only, ``couple`` the
-    moment of a unit load besides that of its normal force.
+    ``drift`` is the part of the slip acceleration that depends on velocities only. ``couple`` and
+    ``twist`` are moments of a unit load and of a unit friction force besides r × F. The contact
+    slips along ``way``, or along its tangent.
     """
 
     place: Any
@@ -80,6 +82,8 @@ class Touch(NamedTuple):
     slip: Any
     drift: Any
     couple: Any = 0.0
+    twist: Any = 0.0
+    way: Any = None
 
 
 class Drive(NamedTuple):
@@ -144,6 +148,8 @@ def _group(touches: list[Touch], slides: int, reverse: bool) -> tuple[Any, ...]:
 class Device:
     """The device and its equations of motion, for one parameter set."""
 
+    printed: frozenset[str] = frozenset()  # names of the readings that are as printed
+
     def __init__(self, p: Parameters) -> None:
         self.p = p
         self.a, self.b, self.l = p.half_width, p.half_height, p.slot_half_width
@@ -198,12 +204,16 @@ class Device:
         """Return a contact; an edge is ``fixed_to_base``, a corner to the part."""
         of_part = at.velocity + 1j * at.turn * place
         depth = reach + dot(place, normal) if fixed_to_base else reach - dot(place, normal)
-        load = self.p.contact_stiffness * depth - self.p.contact_damping * dot(of_part, normal)
+        load = self.load(depth, -dot(of_part, normal), at)
         if fixed_to_base:
             drift = at.turn * (dot(of_part, 1j * tangent) - dot(1j * at.velocity, tangent))
         else:
             drift = -at.turn * at.turn * dot(place, tangent)
         return Touch(place, tangent, normal, depth, load, dot(of_part, tangent), drift)
+
+    def load(self, depth: Any, closing: Any, at: Body) -> Any:  # noqa: ARG002 - printed.py uses it
+        """Return the normal force of a contact."""
+        return self.p.contact_stiffness * depth + self.p.contact_damping * closing
 
     def corner(self, side: int, at: Body) -> Any:
         """Return the place of a bottom corner."""
@@ -248,18 +258,19 @@ class Device:
                 push = touch.load * touch.normal + frictions[i] * weight * touch.tangent
                 force = force + push
                 moment = moment + (touch.place.conjugate() * push).imag
-                moment = moment + touch.load * touch.couple
+                moment = moment + touch.load * touch.couple + frictions[i] * weight * touch.twist
 
         def slip_rate(i: int, force: Any, moment: Any) -> Any:
             first = groups[i][0][0]
-            return dot(force + 1j * first.place * moment / p.inertia, first.tangent)
+            way = first.tangent if first.way is None else first.way
+            return dot(force + 1j * first.place * moment / p.inertia, way)
 
         def unit(i: int) -> tuple[Any, Any]:
             touches, weights = groups[i][0], groups[i][1]
             pairs = list(zip(touches, weights, strict=True))
             return (
                 sum(weight * touch.tangent for touch, weight in pairs),
-                sum(weight * (touch.place.conjugate() * touch.tangent).imag
+                sum(weight * ((touch.place.conjugate() * touch.tangent).imag + touch.twist)
                     for touch, weight in pairs),
             )  # fmt: skip
 
@@ -291,3 +302,23 @@ class Device:
         """Return dz/dτ, shape (6,)."""
         force, turn, *_ = self.rates(time, z, mode)
         return np.array([z[3], z[4], z[5], force.real, force.imag, turn])
+
+
+def descend(device: Device, vibrates: bool) -> tuple[float, float]:
+    """Set the drive of a holder that comes down, and return height and speed of the part.
+
+    In the frame of the holder the part hangs from spring and grounded damper; both drives of it,
+    the steady motion and the vibration, are solved as complex amplitudes.
+    """
+    p, speed = device.p, device.p.approach_speed
+    assert speed is not None  # noqa: S101 - the caller chooses the start
+    response = 1.0 / complex(1.0 - p.frequency**2, p.axial_damping * p.frequency)
+    size = float(vibrates)
+    swing = size * response * cmath.exp(1j * p.phase)
+    lag = p.axial_damping * speed
+    hangs = device.rest.imag - p.press_force + lag  # as the ramp ends, the swing aside
+    clears = device.height(p.rest_tilt) + size * abs(response) + CLEARS
+    press = p.press_force - max(clears - hangs, 0.0)
+    device.drive = Drive(press, speed, p.press_force, size, p.frequency, p.phase)
+    height = device.rest.imag - press + lag - swing.imag
+    return height, -speed - (1j * p.frequency * swing).imag

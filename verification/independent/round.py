@@ -87,7 +87,7 @@ class RoundDevice(Device):
             tangent=row[0] + 1j * row[1],
             normal=push,
             depth=tips.depth,
-            load=self.p.contact_stiffness * tips.depth + self.p.contact_damping * closing,
+            load=self.load(tips.depth, closing, at),
             slip=sum(t * v for t, v in zip(row, velocity, strict=True)),
             drift=sum(t * v for t, v in zip(rates, velocity, strict=True)) / _STEP,
             couple=normal[2] - dot(1j * place, push),

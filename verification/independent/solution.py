@@ -1,11 +1,10 @@
 """Runs of the independent solution: events and transitions up to alignment.
 
 It shares no code with ``model`` but the class ``Parameters``. Events are located on the dense
-output of scipy's DOP853, and the state at an event is integrated anew. It is slow, and has the
-consistent variant of the equations only. insertion.py continues runs in the slot.
+output of scipy's DOP853, and the state at an event is integrated anew. It is slow. insertion.py
+continues runs in the slot.
 """
 
-import cmath
 import itertools
 import math
 from collections.abc import Callable
@@ -22,10 +21,10 @@ from verification.independent.motion import (
     RIGHT,
     Body,
     Device,
-    Drive,
     Mode,
     State,
     body,
+    descend,
     highest,
 )
 
@@ -35,7 +34,6 @@ _AT_REST = 1e-11  # a slip below this is none
 _NO_LOAD = 1e-11  # a load, friction force or slip acceleration below this is none
 FLAT = 1e-8  # a part tilted by less rests on its edge
 RESTS = 1e-3  # speed and acceleration of a part at rest; as in physics/approach.py
-CLEARS = 1e-3  # height over the base at which a descent begins, besides the swing; as there
 MOMENT = 1e-5  # time ahead at which friction without load is decided
 _FIRST_STEP = 1e-3
 _MOST_EVENTS = 100_000
@@ -135,7 +133,7 @@ class Run:
 
     def _add_friction(self, mode: Mode, found: dict[str, Function]) -> None:
         mu = self.device.p.friction
-        if mu == 0.0:
+        if mu == 0.0 or "friction_law" in self.device.printed:
             return
         pressing = mode.supported, mode.beside
         for i, name in enumerate(("slip", "side slip")):
@@ -274,6 +272,8 @@ class Run:
         side_rests = side_rests and at_wall == mode.slip_at_wall
         mode = replace(mode, slip_at_corner=at_corner, slip_at_wall=at_wall)
         mu = self.device.p.friction
+        if "friction_law" in self.device.printed:
+            return replace(mode, slides=-1, side_slides=-1)
         if mu == 0.0:
             return mode
         groups = self.device.rates(time, z, mode)[2]
@@ -356,13 +356,24 @@ class Run:
         bottom, left, right, top = d.depths(side, at)
         if event == "lands":
             met = replace(mode, edge=side, corner="on", offset=-d.corner(side, at).imag)
+            met = self._loaded("corner", met, at)
         elif bottom <= min(left, right, top):
-            met = replace(mode, edge=side, face="on")
+            met = self._loaded("face", replace(mode, edge=side, face="on"), at)
         elif side == LEFT and left <= min(right, top):
-            return self._next(time, z, mode, replace(mode, side="on"))
+            met = self._loaded("side", replace(mode, side="on"), at)
+            return self._next(time, z, mode, met)
         else:
             return "other face"
         return "both sides" if elsewhere else self._next(time, z, mode, met)
+
+    def _loaded(self, what: str, mode: Mode, at: Body) -> Mode:
+        """Return the mode after a touch, which does not press at once under the printed damping."""
+        pulls = "contact_damping_law" in self.device.printed and self.device.p.contact_damping > 0.0
+        return (
+            _with(mode, what, "released")
+            if pulls and self.device.touch(what, mode, at).load <= _NO_LOAD
+            else mode
+        )
 
     def _after_slip(self, beside: bool, time: float, z: State, mode: Mode) -> Mode:
         sticks = (mode.side_slides if beside else mode.slides) == 0
@@ -394,23 +405,3 @@ def solve(
         ValueError: the part starts tilted away from the slot, on its corner.
     """
     return Run(Device(parameters), tolerance, start).run(horizon)
-
-
-def descend(device: Device, vibrates: bool) -> tuple[float, float]:
-    """Set the drive of a holder that comes down, and return height and speed of the part.
-
-    In the frame of the holder the part hangs from spring and grounded damper; both drives of it,
-    the steady motion and the vibration, are solved as complex amplitudes.
-    """
-    p, speed = device.p, device.p.approach_speed
-    assert speed is not None  # noqa: S101 - the caller chooses the start
-    response = 1.0 / complex(1.0 - p.frequency**2, p.axial_damping * p.frequency)
-    size = float(vibrates)
-    swing = size * response * cmath.exp(1j * p.phase)
-    lag = p.axial_damping * speed
-    hangs = device.rest.imag - p.press_force + lag  # as the ramp ends, the swing aside
-    clears = device.height(p.rest_tilt) + size * abs(response) + CLEARS
-    press = p.press_force - max(clears - hangs, 0.0)
-    device.drive = Drive(press, speed, p.press_force, size, p.frequency, p.phase)
-    height = device.rest.imag - press + lag - swing.imag
-    return height, -speed - (1j * p.frequency * swing).imag

@@ -14,8 +14,8 @@ from pathlib import Path
 
 import numpy as np
 
-from model.compile.outline import outline
 from model.physics.parameters import Parameters
+from study.outline import outline
 from verification.independent.solution import Solution, solve
 
 TABLE = Path(__file__).with_suffix(".csv")

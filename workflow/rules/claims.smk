@@ -4,7 +4,7 @@
 rule claims:
     input:
         "<results>/data/kernels.json",
-        figures=expand("<results>/data/{figure}.nc", figure=COMPUTED),
+        figures=expand("<results>/data/{figure}.nc", figure=study.computed),
     output:
         table=report("<results>/claims.csv", caption="../report/claims.rst", category="Claims"),
         record="<results>/claims.run.json",

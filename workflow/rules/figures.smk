@@ -2,8 +2,10 @@
 
 PLANES = [*study.maps.planes]  # maps that are no figures
 # Sweeps that one job computes: trajectories, figures of one chunk, and jamming.
-IN_CHUNKS = [name for name in (*GRIDDED, *PLANES) if study.spec_of(name).chunks > 1]
-WHOLE = [name for name in (*COMPUTED, *PLANES, "jamming") if name not in IN_CHUNKS]
+IN_CHUNKS = [
+    name for name in (*study.named("curves", "map"), *PLANES) if study.spec_of(name).chunks > 1
+]
+WHOLE = [name for name in (*study.computed, *PLANES, "jamming") if name not in IN_CHUNKS]
 
 
 # Compiles once, before jobs that would otherwise all compile at the same time. The output contains the

@@ -4,7 +4,7 @@ WITH_VIBRATION = ("fig13", "friction_press_force")  # maps with a picture of wha
 
 # Data, drawing and category of the report, by the picture.
 PLOTTED = {
-    **{name: ([f"data/{name}.nc"], "figure", "Figures of the paper") for name in COMPUTED},
+    **{name: ([f"data/{name}.nc"], "figure", "Figures of the paper") for name in study.computed},
     **{name: ([f"data/{name}.nc"], "figure", "Stability maps") for name in PLANES},
     **{
         f"{name}_vibration": ([f"data/{name}.nc"], "vibration", "Stability maps")
@@ -26,7 +26,7 @@ rule schematic:
     log:
         "<results>/logs/schematic/{figure}.log",
     wildcard_constraints:
-        figure="|".join(SCHEMATICS),
+        figure="|".join(study.named("schematic")),
     localrule: True
     params:
         *code("schematic"),
@@ -63,14 +63,14 @@ rule plot:
 
 
 # `snakemake -c2 fig06` builds one figure, and its data, which a picture that is there does not ask for.
-for name in FIGURES:
+for name in study.figures:
 
     rule:
         name:
             name
         input:
             pictures(f"figures/{name}"),
-            f"<results>/data/{name}.nc" if name in COMPUTED else [],
+            f"<results>/data/{name}.nc" if name in study.computed else [],
 
 
 # `snakemake -c2 maps` builds the maps that are no figures of the paper.

@@ -2,10 +2,10 @@
 
 IF_ROUND = [name for name in PLANES if study.spec_of(name).shape == "round"]  # beside the figures
 shown = [
-    *(f"figures/{figure}" for figure in FIGURES),
+    *(f"figures/{figure}" for figure in sorted(study.figures)),
     *PICTURES.values(),
     "figures/jamming",
-    *(f"figures/{map}_vibration" for map in WITH_VIBRATION if map in MAPS),
+    *(f"figures/{map}_vibration" for map in WITH_VIBRATION if map in study.named("map")),
     *(f"figures/{name}" for name in IF_ROUND),
 ]
 
@@ -29,7 +29,7 @@ rule page_engines:
 rule explorer:
     input:
         "<results>/data/page_engines.json",
-        maps=expand("<results>/data/{map}.nc", map=MAPS),
+        maps=expand("<results>/data/{map}.nc", map=study.named("map")),
     output:
         page=report(
             "<results>/explorer.html",
@@ -54,7 +54,7 @@ rule report:
     input:
         "<results>/explorer.html",
         pictures(*shown),
-        expand("<results>/data/{figure}.nc", figure=COMPUTED),
+        expand("<results>/data/{figure}.nc", figure=study.computed),
         "<results>/benchmarks/precision.csv",
         expand("<results>/data/{map}.nc", map=IF_ROUND),
         "<results>/data/jamming.nc",

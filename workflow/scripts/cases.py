@@ -4,12 +4,10 @@ from pathlib import Path
 
 from model.sweeps.io import write_dataset
 from study.evidence.cases import CasesPlan, cases_dataset
-from study.evidence.null import NullPlan, check_physics, stored_null
+from study.evidence.null import NullPlan, stored_null
 from study.tracking.records import recorded, snakemake
 
 with recorded(snakemake):
-    null_plan = NullPlan.model_validate(snakemake.params.null)
-    null = stored_null(null_plan)
-    check_physics(null_plan, null)
+    null = stored_null(NullPlan.model_validate(snakemake.params.null))
     plan = CasesPlan.model_validate(snakemake.params.plan)
     write_dataset(cases_dataset(plan, null.counts), Path(snakemake.output.data))

@@ -1,6 +1,5 @@
 """Functions of Python, ``math`` and numpy that a kernel may call."""
 
-import ast
 import math
 from collections.abc import Callable
 from inspect import signature
@@ -9,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from model.compile.arithmetic import both, operate, truth_of
+from model.compile.arithmetic import both, truth_of
 from model.compile.code import PYTHON_KINDS, Code
-from model.compile.items import is_inside, items_of, lasting_items, length_of, member
+from model.compile.items import is_inside, items_of, lasting_items, length_of, member, part_of
 from model.compile.values import (
     BOOLEAN,
     DOUBLE,
@@ -155,20 +154,17 @@ def _fetch_add(code: Code, numbers: Value, by: Value) -> Value:
     return Number(INTEGER, code.do(text))
 
 
-def vectors_at(code: Code, block: Value, places: Value) -> list[str]:
-    """Return the addresses of vectors, from their numbers in an array."""
-    if not isinstance(block, Array) or block.kind != DOUBLE:
-        raise SubsetError(f"vectors in {in_words(type_of(block))}", "give an array of floats")
-    numbers = [code.whole(each, "a place") for each in items_of(code, places)]
-    firsts = [operate(code, ast.Mult, each, Static(WIDTH)) for each in numbers]
-    for each in firsts:
-        is_inside(code, operate(code, ast.Add, each, Static(WIDTH - 1)), block.lengths[0])
-    return [code.address(block, each) for each in firsts]
+def vectors_at(code: Code, block: Value, rows: Value) -> list[str]:
+    """Return the addresses of vectors: of rows of an array, by their numbers."""
+    if not isinstance(block, Array) or block.kind != DOUBLE or block.lengths[1:] != (WIDTH,):
+        remedy = f"give an array of floats, of shape (n, {WIDTH})"
+        raise SubsetError(f"vectors in {in_words(type_of(block))}", remedy)
+    return [part_of(code, block, [each]).pointer for each in items_of(code, rows)]
 
 
-def _call_at(code: Code, address: Value, block: Value, places: Value) -> Value:
+def _call_at(code: Code, address: Value, block: Value, rows: Value) -> Value:
     target = code.do(f"inttoptr i64 {code.whole(address, 'an address').name} to ptr")
-    code.call_vectors(target, vectors_at(code, block, places))
+    code.call_vectors(target, vectors_at(code, block, rows))
     return NOTHING
 
 
@@ -230,8 +226,8 @@ def call_builtin(
 
 
 def _call_vectors(function: VectorFunction) -> Callable[..., Value]:
-    def call(code: Code, block: Value, places: Value) -> Value:
-        code.call_vectors(function, vectors_at(code, block, places))
+    def call(code: Code, block: Value, rows: Value) -> Value:
+        code.call_vectors(function, vectors_at(code, block, rows))
         return NOTHING
 
     return call

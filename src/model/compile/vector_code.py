@@ -96,31 +96,31 @@ class VectorWriter:
         first = f"<{WIDTH} x i32> zeroinitializer"
         return self.result(f"shufflevector {_VECTOR} {one}, {_VECTOR} undef, {first}")
 
-    def address(self, pointer: str, place: str | int) -> str:
-        """The address of the vector at a place."""
-        return self.result(f"getelementptr {_VECTOR}, ptr {pointer}, i64 {place}")
+    def address(self, pointer: str, row: str | int) -> str:
+        """The address of a vector: of a row, from a pointer on."""
+        return self.result(f"getelementptr {_VECTOR}, ptr {pointer}, i64 {row}")
 
     def base(self, pointer: str, index: str, rows: int = 1) -> str:
         """The address of the vector at ``index`` times ``rows``, computed once in a block."""
         key = pointer, index, rows
         if key not in self.bases:
-            place = index if rows == 1 else self.count("mul", index, str(rows))
-            self.bases[key] = self.address(pointer, place)
+            row = index if rows == 1 else self.count("mul", index, str(rows))
+            self.bases[key] = self.address(pointer, row)
         return self.bases[key]
 
-    def load(self, pointer: str, place: str | int) -> str:
-        """The vector at a place, loaded once in a block."""
-        if (pointer, place) not in self.loaded:
-            address = self.address(pointer, place)
+    def load(self, pointer: str, row: str | int) -> str:
+        """The vector in a row, loaded once in a block."""
+        if (pointer, row) not in self.loaded:
+            address = self.address(pointer, row)
             loaded = self.result(f"load {_VECTOR}, ptr {address}, align {_ALIGNMENT}")
-            self.loaded[pointer, place] = loaded
-        return self.loaded[pointer, place]
+            self.loaded[pointer, row] = loaded
+        return self.loaded[pointer, row]
 
-    def store(self, value: str, pointer: str, place: str | int) -> None:
-        """Write the vector at a place."""
-        address = self.address(pointer, place)
+    def store(self, value: str, pointer: str, row: str | int) -> None:
+        """Write the vector in a row."""
+        address = self.address(pointer, row)
         self.lines.append(f"store {_VECTOR} {value}, ptr {address}, align {_ALIGNMENT}")
-        self.loaded[pointer, place] = value
+        self.loaded[pointer, row] = value
 
     def whole_number(self, pointer: str) -> str:
         """The number at ``pointer``, as an integer."""
@@ -164,9 +164,9 @@ def each_lane() -> range:
 
 
 class VectorFunction:
-    """A function of vectors: a kernel calls it with a block of memory and places of vectors in it.
+    """A function of vectors: a kernel calls it with an array whose rows are vectors.
 
-    ``function(block, places)`` passes the addresses of the vectors numbered ``places`` of an array.
+    ``function(block, rows)`` passes the addresses of these rows of a block of shape (n, WIDTH).
 
     Args:
         label: begins its name.
@@ -195,21 +195,21 @@ class VectorFunction:
         """Return the function in LLVM's language."""
         return self._write(self.name).code()
 
-    def __call__(self, block: Any, places: Sequence[int]) -> None:
+    def __call__(self, block: Any, rows: Sequence[int]) -> None:
         """Call its machine code; for kernels that run as Python."""
         from model.compile.entries import address_of  # noqa: PLC0415 - it builds upon this module
 
-        call_at(address_of(self), block, places)
+        call_at(address_of(self), block, rows)
 
     def linked(self) -> "Iterator[VectorFunction]":
         """Yield itself: it calls no others."""
         yield self
 
 
-def call_at(address: int, block: Any, places: Sequence[int]) -> None:
+def call_at(address: int, block: Any, rows: Sequence[int]) -> None:
     """Call the function of vectors at an address, from a kernel; see ``VectorFunction``.
 
     Called as Python, too, it calls machine code.
     """
-    function = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * len(places))(int(address))
-    function(*(block.ctypes.data + _ALIGNMENT * place for place in places))
+    function = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * len(rows))(int(address))
+    function(*(block.ctypes.data + _ALIGNMENT * row for row in rows))

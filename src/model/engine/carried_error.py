@@ -13,7 +13,7 @@ Input: the workspace after ``step_all``, and the run's record. Output: the error
 from math import inf
 
 from model.compile.kernels import inlined_kernel, kernel, separate_kernel
-from model.compile.vector_code import WIDTH, each_lane
+from model.compile.vector_code import each_lane
 from model.engine import workspace
 from model.engine.rates import STILL, moved, rates_at
 from model.engine.record import AT, ERROR, constants_of, mode_of, state_in, store_state_in
@@ -48,7 +48,7 @@ def size_of(q):
 @inlined_kernel
 def _error_after(length, w, lane):
     """The error at ``length`` after the step's start; it grows by the terms that series omit."""
-    error, omitted, last = STILL, STILL, w[workspace.ERROR_ORDER * WIDTH + lane]
+    error, omitted, last = STILL, STILL, w[workspace.ERROR_ORDER, lane]
     for order in reversed(range(MOST_ERROR_ORDER + 1)):
         if order in ERROR_ORDERS[:-1]:  # what other lanes need beyond is left out
             error = State(*(each if order < last else 0.0 for each in error))
@@ -64,7 +64,7 @@ def _error_after(length, w, lane):
 def errors_at_ends(lanes, w):
     """Write the errors at the ends of the steps of all lanes, without slip where contacts stick."""
     for i in each_lane():
-        error = _error_after(w[workspace.STEP_LENGTH * WIDTH + i], w, i)
+        error = _error_after(w[workspace.STEP_LENGTH, i], w, i)
         factor = DISPLACEMENT / max(size_of(error), NO_ERROR)
         end, p = state_in_lane(w, workspace.END, i), constants_of_lane(lanes, w, i)
         held = without_slip(moved(end, factor, error), p, mode_of_lane(lanes, w, i))
@@ -78,7 +78,7 @@ def carry_error(until, w, lane, runs, i):
     if until == 1.0:
         error = state_in_lane(w, workspace.ERROR_AT_END, lane)
     else:
-        error = _error_after(until * w[workspace.STEP_LENGTH * WIDTH + lane], w, lane)
+        error = _error_after(until * w[workspace.STEP_LENGTH, lane], w, lane)
     store_state_in(error, runs, ERROR, i)
     runs[i, AT.largest_error] = max(runs[i, AT.largest_error], size_of(error))
 

@@ -1,7 +1,7 @@
 """Event search inside the step of one lane: the first event, and its state.
 
-Input: the lane's lines of the workspace after ``step_all``. Output: the event and its place in the
-step, for scheduling.py. Every level is a constant plus multiples of event quantities, or the
+Input: the lane's lines of the workspace after ``step_all``. Output: the event and its fraction of
+the step, for scheduling.py. Every level is a constant plus multiples of event quantities, or the
 largest of four such sums. The series of its quantities therefore follow from the series of the
 event quantities, and its zeros are located on them. A level with an absolute value is searched
 twice, once for each sign of its argument.
@@ -10,7 +10,6 @@ twice, once for each sign of its argument.
 from math import inf
 
 from model.compile.kernels import inlined_kernel, kernel, separate_kernel
-from model.compile.vector_code import WIDTH
 from model.engine.lane_events import QUANTITIES, TERMS, enter_series, has_absolute
 from model.engine.series_layout import FRACTIONS, LINES, NODES, ORDER
 from model.engine.step import one_stays_above, stays_above
@@ -43,12 +42,12 @@ def line_at(line, theta, w, lane):
 
     Even and odd orders are summed separately, which doubles instruction-level parallelism.
     """
-    time = theta * w[STEP_LENGTH * WIDTH + lane]
+    time = theta * w[STEP_LENGTH, lane]
     square, odd = time * time, 0.0
-    even = w[(COEFFICIENTS + ORDER * LINES + line) * WIDTH + lane]
+    even = w[COEFFICIENTS + ORDER * LINES + line, lane]
     for order in range(ORDER - 2, -2, -2):
-        even = even * square + w[(COEFFICIENTS + order * LINES + line) * WIDTH + lane]
-        odd = odd * square + w[(COEFFICIENTS + (order + 1) * LINES + line) * WIDTH + lane]
+        even = even * square + w[COEFFICIENTS + order * LINES + line, lane]
+        odd = odd * square + w[COEFFICIENTS + (order + 1) * LINES + line, lane]
     return even + time * odd
 
 
@@ -63,14 +62,14 @@ def _slope_of(line, time, w, lane):
     """The rate of a line at ``time`` after the step's start."""
     slope = 0.0
     for order in range(ORDER, 0, -1):
-        slope = slope * time + order * w[(COEFFICIENTS + order * LINES + line) * WIDTH + lane]
+        slope = slope * time + order * w[COEFFICIENTS + order * LINES + line, lane]
     return slope
 
 
 @kernel
 def rates_in_step(q, theta, w, lane):
     """The rates of the state ``q`` at the fraction ``theta`` of the step, from its series."""
-    time = theta * w[STEP_LENGTH * WIDTH + lane]
+    time = theta * w[STEP_LENGTH, lane]
     accelerations = tuple(_slope_of(STATE_SIZE // 2 + n, time, w, lane) for n in range(3))
     return State(q.x_rate, q.y_rate, q.tilt_rate, *accelerations)
 
@@ -147,7 +146,7 @@ def _crossing_of_all(count, left, before, right, after, series):
 
 @inlined_kernel
 def _is_monotonic(left, right, bound):
-    """Return whether a quantity stays below zero between two places, or is monotonic."""
+    """Return whether a quantity stays below zero between two fractions, or is monotonic."""
     return abs(left - right) > 4.0 * bound or stays_above(-left, -right, bound)
 
 
@@ -163,7 +162,7 @@ def _all_are_monotonic(before, after, bounds):
 
 @inlined_kernel
 def _bound(each, left, right, series):
-    """Bound of the distance of a quantity from the line through its values at two places."""
+    """Bound of the distance of a quantity from the line through its values at two fractions."""
     square = right * right
     even, odd = abs(series[each * TERMS + ORDER]), abs(series[each * TERMS + ORDER - 1])
     for order in range(ORDER - 2, 0, -2):
@@ -190,7 +189,7 @@ def _falls_from_zero(before, after, on_event):
 
 @inlined_kernel
 def _all_fall_from_zero(before, after, on_event):
-    """Return whether all quantities that are zero at the left place are below zero at the right.
+    """Return whether all quantities that are zero at the left are below zero at the right.
 
     Others may be above zero there: the largest of all is negative only for a time in between.
     """
@@ -222,7 +221,7 @@ def _beginning(count, left, before, after):
 
 @inlined_kernel
 def _crossing_between(count, left, end, series):
-    """First down-crossing of the largest of ``series`` between two places, or NO_EVENT.
+    """First down-crossing of the largest of ``series`` between two fractions, or NO_EVENT.
 
     The interval is divided until in each part the level stays above zero by its curvature bound, or
     each of the quantities is monotonic.
@@ -276,7 +275,7 @@ def _crossing_of(lanes, which, sign, until, series, w, lane):
 
     A level that starts at zero is divided by the fraction of the step; its other zeros remain.
     """
-    subintervals = int(w[(lanes.subintervals + which) * WIDTH + lane])
+    subintervals = int(w[lanes.subintervals + which, lane])
     enter_series(lanes, which, sign, series, w, lane)
     several = which < lanes.events.combined
     if several or series[0] != 0.0:
@@ -317,7 +316,7 @@ def first_event(lanes, w, lane, series):
     ``series`` is overwritten, shape (QUANTITIES * TERMS,).
     """
     first, which_first = NO_EVENT, -1
-    candidates = int(w[CANDIDATES * WIDTH + lane])
+    candidates = int(w[CANDIDATES, lane])
     while candidates != 0:
         which = lowest_bit(candidates)
         candidates &= candidates - 1

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model.compile.kernels import inlined_kernel, kernel, separate_kernel
-from model.compile.vector_code import WIDTH, each_lane
+from model.compile.vector_code import each_lane
 from model.engine.levels import Level, bound_in, coefficient_in, level_in, levels_of
 from model.engine.mode_kinds import (
     ALIGNMENT_KINDS,
@@ -133,7 +133,7 @@ class LaneEvents:
 def _in_lanes(
     numbered: Numbered, events: Events, kinds: tuple[ModeKind, ...], p: Any
 ) -> tuple[LaneEvent, set[tuple[int, int]]]:
-    """Return an event as lanes have it, and the places of the modes in which it applies."""
+    """Return an event as lanes have it, and the keys of the modes in which it applies."""
     cases, event, modes = [], numbered.event, lane_modes(events.inserts, kinds)
     rough = p._replace(friction=1.0)  # with which every level applies that needs friction
     for applies, function in event.function:
@@ -142,12 +142,12 @@ def _in_lanes(
             if levels is None:
                 raise ValueError(f"{event.name}: lanes do not hold its quantities")
             cases.append(Case(applies, levels))
-    places: dict[bool, set[tuple[int, int]]] = {True: set(), False: set()}
-    for mode, place in modes:
-        places[any(case.applies(rough, mode) for case in cases)].add(place)
-    if places[True] & places[False]:
+    keys: dict[bool, set[tuple[int, int]]] = {True: set(), False: set()}
+    for mode, key in modes:
+        keys[any(case.applies(rough, mode) for case in cases)].add(key)
+    if keys[True] & keys[False]:
         raise ValueError(f"{event.name}: applies in some modes of a kind and number, not in others")
-    return LaneEvent(numbered.number, tuple(cases), numbered.is_combined), places[True]
+    return LaneEvent(numbered.number, tuple(cases), numbered.is_combined), keys[True]
 
 
 def _sampled(events: Events) -> int:
@@ -176,9 +176,9 @@ def lane_events_of(
     symbols = symbols_of(events.constants, switches)
     masks, found = np.zeros((len(kinds), MODES_OF_A_KIND), np.int64), []
     for numbered in events.all:
-        each, places = _in_lanes(numbered, events, kinds, symbols)
-        for place in places:
-            masks[place] |= 1 << each.number
+        each, keys = _in_lanes(numbered, events, kinds, symbols)
+        for key in keys:
+            masks[key] |= 1 << each.number
         found += [each] if each.cases else []
     return LaneEvents(
         events=events,
@@ -199,7 +199,7 @@ def lane_events_of(
 
 
 @inlined_kernel
-def kind_of(lanes, mode):
+def kind_of_mode(lanes, mode):
     """Return the number of the kind of a mode, -1 if lanes do not hold it: in a page."""
     return kind_in(lanes.kinds, mode)
 
@@ -238,8 +238,8 @@ def _sample_single(lanes, event, node, w):
         for case in event.cases[:-1]:
             here = level_in(case.levels[0], first, w, i)
             found = np.where(_is_case(lanes, case, w, i), here, found)
-        applies = int(w[APPLICABLE * WIDTH + i]) & (1 << event.number) != 0
-        w[sample_line(lanes, event.number, node) * WIDTH + i] = np.where(applies, found, NEVER)
+        applies = int(w[APPLICABLE, i]) & (1 << event.number) != 0
+        w[sample_line(lanes, event.number, node), i] = np.where(applies, found, NEVER)
 
 
 @inlined_kernel
@@ -249,7 +249,7 @@ def _bound_single(lanes, event, w):
         for case in event.cases[:-1]:
             here = bound_in(case.levels[0], _BOUNDS, CURVATURE, w, i)
             found = np.where(_is_case(lanes, case, w, i), here, found)
-        w[(lanes.bounds + event.number) * WIDTH + i] = found
+        w[lanes.bounds + event.number, i] = found
 
 
 @inlined_kernel
@@ -259,8 +259,8 @@ def _sample_combined(lanes, event, node, w):
         first, levels = VALUES + node * SINES, event.cases[0].levels
         found = tuple(level_in(level, first, w, i) for level in levels)
         for part, value in enumerate(found):
-            w[quantity_line(lanes, event.number, node, part) * WIDTH + i] = value
-        w[sample_line(lanes, event.number, node) * WIDTH + i] = largest(found)[0]
+            w[quantity_line(lanes, event.number, node, part), i] = value
+        w[sample_line(lanes, event.number, node), i] = largest(found)[0]
 
 
 @inlined_kernel
@@ -269,10 +269,10 @@ def _bound_combined(lanes, event, w):
     for i in each_lane():
         for part, level in enumerate(event.cases[0].levels):
             bound = bound_in(level, _BOUNDS, CURVATURE, w, i)
-            w[quantity_line(lanes, event.number, NODES, part) * WIDTH + i] = bound
-        applies = int(w[APPLICABLE * WIDTH + i]) & (1 << event.number) != 0
-        place = sample_line(lanes, event.number, 0) * WIDTH + i
-        w[place] = np.where(applies, w[place], NEVER)
+            w[quantity_line(lanes, event.number, NODES, part), i] = bound
+        applies = int(w[APPLICABLE, i]) & (1 << event.number) != 0
+        line = sample_line(lanes, event.number, 0)
+        w[line, i] = np.where(applies, w[line, i], NEVER)
 
 
 @kernel
@@ -312,7 +312,7 @@ def has_absolute(lanes, which, w, i):
 
 @inlined_kernel
 def _enter_case(case, sign, series, w, i):
-    length, scale = w[STEP_LENGTH * WIDTH + i], 1.0
+    length, scale = w[STEP_LENGTH, i], 1.0
     for order in range(TERMS):
         first = COEFFICIENTS + order * LINES
         for n, level in enumerate(case.levels):

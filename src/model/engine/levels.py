@@ -10,9 +10,9 @@ from functools import cache
 from typing import Any
 
 from model.compile.kernels import inlined_kernel
-from model.compile.vector_code import WIDTH
-from model.engine.series import Constant, Sum, TaylorSeries, as_sum, given, sum_of, symbols_of
+from model.engine.series import Sum, as_sum, given, sum_of, symbols_of
 from model.engine.series_layout import LINES, ORDER
+from model.engine.series_rules import Absolute, Constant, Line, TaylorSeries, Unknown
 from model.engine.workspace import LINE, MODE_LINE
 from model.events.event_functions import ABSENT
 from model.events.insertion import LEFT_WALL, RIGHT_SIDE, RIGHT_WALL
@@ -67,7 +67,7 @@ def constant_in(value, w, i):
         return value
     how, of = value[0], value[1:]
     if how == "given":
-        return w[of[0] * WIDTH + i]
+        return w[of[0], i]
     one, other = constant_in(of[0], w, i), constant_in(of[1], w, i)
     if how == "+":
         return one + other
@@ -95,7 +95,7 @@ def level_in(level, first, w, i):
     total = None if level.constant == 0.0 else constant_in(level.constant, w, i)
     for term in level.terms:
         if term.inside is None:
-            value = w[(first + term.line) * WIDTH + i]
+            value = w[first + term.line, i]
         else:
             value = abs(level_in(term.inside, first, w, i))
         total = _plus(total, term, value, w, i)
@@ -111,10 +111,10 @@ def coefficient_in(level, order, first, scale, sign, w, i):
     total = constant_in(level.constant, w, i) if order == 0 else 0.0
     for term in level.terms:
         if term.is_rate:
-            following = w[(first + LINES + term.line) * WIDTH + i] if order < ORDER else 0.0
+            following = w[first + LINES + term.line, i] if order < ORDER else 0.0
             value = (order + 1) * scale * following
         elif term.inside is None:
-            value = scale * w[(first + term.line) * WIDTH + i]
+            value = scale * w[first + term.line, i]
         else:
             value = sign * coefficient_in(term.inside, order, first, scale, sign, w, i)
         total = _plus(total, term, value, w, i)
@@ -129,7 +129,7 @@ def bound_in(level, first, scale, w, i):
     total = 0.0
     for term in level.terms:
         if term.inside is None:
-            bound = scale * w[(first + term.line) * WIDTH + i]
+            bound = scale * w[first + term.line, i]
         else:
             bound = bound_in(term.inside, first, scale, w, i)
         total = total + abs(constant_in(term.factor, w, i)) * bound
@@ -138,22 +138,21 @@ def bound_in(level, first, scale, w, i):
 
 # ------------------------------------------------------------------------------------------ tracing
 
-_UNKNOWN = sum_of(TaylorSeries("unknown", ()))
+_UNKNOWN = sum_of(Unknown())
 _MODE_SYMBOLS: Any = Mode(*(given(MODE_LINE + n) for n in range(len(Mode._fields))))
 
 
 def _line(name: str) -> Any:
-    return sum_of(TaylorSeries("line", (LINE[name],)))
+    return sum_of(Line(LINE[name], is_rate=False))
 
 
 def _rate(name: str) -> Any:
-    return sum_of(TaylorSeries("rate", (LINE[name],)))
+    return sum_of(Line(LINE[name], is_rate=True))
 
 
 def _is(field: str, value: float) -> Any:
     """Return 1 where a field of the mode has a value, else 0."""
-    place = getattr(_MODE_SYMBOLS, field).constant
-    return Sum(("==", place, float(value)), {})
+    return Sum(("==", getattr(_MODE_SYMBOLS, field).constant, float(value)), {})
 
 
 @cache
@@ -169,13 +168,13 @@ def _quantities(inserts: bool, is_round: bool) -> dict[Source, Any]:
     }
     forces: dict[str, Any] = dict.fromkeys(Motion._fields, _UNKNOWN)
     sides = ("support", "face", "corner"), ("side", "side", "wall")
-    for place, edge, corner in sides:
-        friction = _line(f"{place}_friction")  # or the slip of a sliding contact
-        forces |= {f"{place}_slip": friction, f"{place}_friction": friction}
-        forces[f"{place}_load"] = _line(f"{edge}_load")
+    for side, edge, corner in sides:
+        friction = _line(f"{side}_friction")  # or the slip of a sliding contact
+        forces |= {f"{side}_slip": friction, f"{side}_friction": friction}
+        forces[f"{side}_load"] = _line(f"{edge}_load")
         if inserts or corner == "corner":
             loads = (_is(each, CLOSED) * _line(f"{each}_load") for each in (edge, corner))
-            forces[f"{place}_load"] = sum(loads, as_sum(0.0))
+            forces[f"{side}_load"] = sum(loads, as_sum(0.0))
     right, left = _is("edge", RIGHT_EDGE), _is("edge", LEFT_EDGE)
     along_face, along_axis, corner_x, corner_y = (
         right * places[f"right_{name}"] + left * places[f"left_{name}"]
@@ -224,11 +223,10 @@ def _term_of(series: TaylorSeries, factor: Constant) -> Term:
     Raises:
         ValueError: it is no line, no rate of one, and no absolute value of a sum of lines.
     """
-    if series.rule in ("line", "rate"):
-        return Term(factor, series.operands[0], is_rate=series.rule == "rate")
-    if series.rule == "absolute":
-        (argument,) = series.operands
-        inside = _level_of(Sum(argument.operands[0], dict(argument.operands[1])))
+    if isinstance(series, Line):
+        return Term(factor, series.number, is_rate=series.is_rate)
+    if isinstance(series, Absolute):
+        inside = _level_of(Sum(series.of.constant, dict(series.of.terms)))
         if not (inside.has_absolute or inside.has_rate):
             return Term(factor, 0, inside)
     raise ValueError(f"a level contains the {series.rule} of event quantities, but must be linear")

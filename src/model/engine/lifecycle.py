@@ -1,10 +1,10 @@
-"""The lifecycle of a run between its steps: start, events, excitation periods and end.
+"""The lifecycle of a run between its steps: events, stages, excitation periods and end.
 
 Time counts from the start; of a part that is lowered (physics/approach.py),
 from its first touch and, if it is lowered without vibration, anew from the onset of the vibration.
 """
 
-from math import isfinite, isnan, nan, pi
+from math import isfinite, isnan, pi
 from typing import NamedTuple
 
 import numpy as np
@@ -14,9 +14,7 @@ from model.engine.rates import short_step
 from model.engine.record import (
     AT,
     CLOSEST,
-    CONSTANTS,
     DESCENDS,
-    FORCES,
     MADE,
     PRESSES,
     STATE,
@@ -28,10 +26,10 @@ from model.engine.record import (
     store_mode,
     store_state,
 )
-from model.events.event_functions import FLAT, NEVER
+from model.events.event_functions import NEVER
 from model.events.friction import decide_friction, hold_sticking
 from model.events.insertion import end_in_slot
-from model.events.kernels import MOST_EVENTS, reset, start_is_impossible, transition
+from model.events.kernels import MOST_EVENTS, reset, transition
 from model.events.outcomes import OUTCOME, REASON
 from model.events.steady_state import (
     HISTORY,
@@ -41,16 +39,12 @@ from model.events.steady_state import (
     settled_period,
     watched_until,
 )
-from model.events.table import PLACES_OF_CONTACT
 from model.events.transitions import CONTINUES
-from model.physics.approach import PRESSED, RUNNING, descent, is_at_rest
-from model.physics.geometry import bottom_corner, edge_place, resting_height
-from model.physics.modes import CLOSED, OPEN, START, STICKING
+from model.physics.approach import RUNNING, is_at_rest
+from model.physics.modes import OPEN, STICKING
 from model.physics.motion import is_beside, is_supported
-from model.physics.notation import RIGHT_EDGE, STATE_SIZE, State
-from model.physics.rest import rest_under_press
+from model.physics.notation import STATE_SIZE
 
-_FIRST_STEP = 1e-2
 _SHORTEST_STEP = 1e-12  # after an event
 _SEVERAL_AT_ONCE = 16  # events in one instant, above which rounding may be their only cause
 _MOST_EVENTS_AT_ONCE = 64
@@ -96,52 +90,13 @@ def new_history(count: int) -> History:
 
 
 @kernel
-def start(p, declared):
-    """State and mode at τ = 0: at rest, touching the base without load.
-
-    The bottom face rests on the edge A1; a part tilted the other way rests on its corner B1. A
-    contact that is not declared starts open: the run leaves the scene if the part presses there.
-    """
-    x, tilt = p.misalignment, p.initial_tilt
-    y = resting_height(p)
-    corner_x, corner_y = bottom_corner(RIGHT_EDGE, x, y, tilt, p)
-    if tilt < -FLAT and corner_x > p.slot_half_width:
-        standing = CLOSED if declared.corner_on_flat else OPEN
-        mode = START._replace(face=OPEN, corner=standing)
-        return State(x, y - corner_y, tilt, 0.0, 0.0, 0.0), mode
-    mode = START._replace(face=CLOSED if declared.edge_on_face else OPEN)
-    return State(x, y, tilt, 0.0, 0.0, 0.0), mode
-
-
-@kernel
-def _start_pressed(scene, p, i, runs):
-    """State and mode at τ = 0 at rest on A1 under the press; the run ends if there is no rest."""
-    rest = rest_under_press(p)
-    if not rest.found:
-        _end(scene, runs, i, OUTCOME.LEFT_SCENE, REASON.NO_REST)
-    return State(rest.x, rest.y, rest.tilt, 0.0, 0.0, 0.0), START
-
-
-@kernel
-def _start_descent(q, is_running, p, i, runs):
-    """State and mode of a part in steady descent, from that in which it touches the base."""
-    at = descent(q.y, is_running, p)
-    runs[i, AT.stage], runs[i, AT.ramp_end] = DESCENDS, at.ramp_end
-    runs[i, AT.deadline] += at.ramp_end
-    if not is_running:
-        runs[i, AT.held_frequency], runs[i, AT.held_phase] = p.frequency, p.phase
-        runs[i, AT.frequency], runs[i, AT.phase] = 0.0, 0.0
-    return q._replace(y=at.y, y_rate=at.y_rate), START._replace(face=OPEN)
-
-
-@kernel
 def period_length(p):
     """Period of the excitation; 2π if the excitation is constant."""
     return 2.0 * pi / p.frequency if p.frequency > 0.0 else 2.0 * pi
 
 
 @kernel
-def _note_end_of_period(scene, runs, i):
+def note_end_of_period(scene, runs, i):
     """Set the next stop: the end of the present period or, if earlier, of the run."""
     runs[i, AT.stop] = runs[i, AT.deadline]
     if runs[i, AT.stage] == VIBRATES:
@@ -174,7 +129,7 @@ def _count_anew(scene, stage, control, runs, i):
     runs[i, AT.deadline] = runs[i, AT.ramp_end] + control.horizon
     for which in range(scene.events.count):
         runs[i, CLOSEST + which], runs[i, MADE + which] = NEVER, 0.0
-    _note_end_of_period(scene, runs, i)
+    note_end_of_period(scene, runs, i)
 
 
 @kernel
@@ -185,7 +140,7 @@ def _look_for_rest(scene, control, runs, i):
         return
     _count_anew(scene, VIBRATES, control, runs, i)
     runs[i, AT.frequency], runs[i, AT.phase] = runs[i, AT.held_frequency], runs[i, AT.held_phase]
-    _note_end_of_period(scene, runs, i)
+    note_end_of_period(scene, runs, i)
     p = constants_of(scene.events, runs, i)
     support, side = mode.support_slip == STICKING, mode.side_slip == STICKING
     mode, possible = decide_friction(0.0, q, p, mode, support, side)
@@ -195,7 +150,7 @@ def _look_for_rest(scene, control, runs, i):
 
 
 @kernel
-def _end(scene, runs, i, outcome, reason):
+def end(scene, runs, i, outcome, reason):
     """End run ``i``; a run that has aligned is aligned, or ends as its part does in the slot.
 
     The reason of one that has needed no vibration is the press alone.
@@ -221,56 +176,7 @@ def _end(scene, runs, i, outcome, reason):
 @kernel
 def fail(scene, runs, i, reason):
     """End run ``i`` as failed."""
-    _end(scene, runs, i, OUTCOME.FAILED, reason)
-
-
-@separate_kernel
-def begin(row, tolerance, scene, control, runs, i):
-    """Start the parameter set ``row``, shape (constants,), as run ``i``.
-
-    ``tolerance`` is the largest local error of a step, relative to 1 + |state|.
-    """
-    for k in range(runs.shape[1]):
-        runs[i, k] = row[k] if k < CONSTANTS else 0.0
-    p = constants_of(scene.events, runs, i)
-    runs[i, AT.tolerance], runs[i, AT.deadline] = tolerance, control.horizon
-    runs[i, AT.outcome], runs[i, AT.next_step] = CONTINUES, _FIRST_STEP
-    known = 0.0 if control.carries_error != 0.0 else nan
-    runs[i, AT.time_error], runs[i, AT.end_error], runs[i, AT.largest_error] = known, known, known
-    runs[i, AT.tau_align], runs[i, AT.tau_corners_inside] = nan, nan
-    runs[i, AT.tilt_at_alignment], runs[i, AT.tau_inserted] = nan, nan
-    if control.alignment_only != 0.0:
-        runs[i, AT.tilt_max] = nan  # and stays so; see note_step
-        for place in range(len(PLACES_OF_CONTACT)):
-            runs[i, FORCES + place] = nan
-    for which in range(scene.events.count):
-        runs[i, CLOSEST + which] = NEVER
-    q, mode = start(p, scene.declared)
-    if control.start == PRESSED and not _starts_past_the_end(q, p, mode):
-        q, mode = _start_pressed(scene, p, i, runs)
-    if control.start >= RUNNING:
-        q, mode = _start_descent(q, control.start == RUNNING, p, i, runs)
-        p = constants_of(scene.events, runs, i)
-    runs[i, AT.tilt_max] = max(runs[i, AT.tilt_max], abs(q.tilt))  # 0 before, or NaN
-    if runs[i, AT.outcome] == CONTINUES and start_is_impossible(scene.events, q, p, mode):
-        fail(scene, runs, i, REASON.IMPOSSIBLE_START)
-    if runs[i, AT.outcome] == CONTINUES:
-        mode, possible = decide_friction(0.0, q, p, mode, True, True)
-        if not possible:
-            fail(scene, runs, i, REASON.NO_FRICTION_SOLUTION)
-    store_state(q, runs, i)
-    store_mode(mode, runs, i)
-    _note_end_of_period(scene, runs, i)
-    if runs[i, AT.outcome] == CONTINUES and _starts_past_the_end(q, p, mode):
-        apply_event(scene.events.face_end, 0.0, _FIRST_STEP, scene, control, runs, i)
-
-
-@kernel
-def _starts_past_the_end(q, p, mode):
-    """Return whether A1 is already beyond the corner B1, so that no load occurs."""
-    if mode.face != CLOSED:
-        return False
-    return edge_place(RIGHT_EDGE, q.x, q.y, q.tilt, p).along_face > p.half_width
+    end(scene, runs, i, OUTCOME.FAILED, reason)
 
 
 @kernel
@@ -329,7 +235,7 @@ def _note_alignment(scene, is_inside, tilt, printed_criterion, control, runs, i)
     elif not printed_criterion and isnan(runs[i, AT.tau_align]):
         deadline = min(runs[i, AT.deadline], time + _FALL_TIME)
         runs[i, AT.deadline] = time + control.horizon if inserts else deadline
-        _note_end_of_period(scene, runs, i)
+        note_end_of_period(scene, runs, i)
     if printed_criterion == is_inside and isnan(runs[i, AT.tau_align]):
         runs[i, AT.tau_align], runs[i, AT.tilt_at_alignment] = time, tilt
     if control.alignment_only != 0.0 and not printed_criterion:
@@ -393,7 +299,7 @@ def apply_event(which, length, step, scene, control, runs, i):
         waits = control.start != RUNNING
         _count_anew(scene, PRESSES if waits else VIBRATES, control, runs, i)
     if outcome != CONTINUES:
-        _end(scene, runs, i, outcome, reason)
+        end(scene, runs, i, outcome, reason)
     elif runs[i, AT.events_at_once] > _SEVERAL_AT_ONCE:
         skip_chatter(scene, before, runs, i)
 
@@ -421,7 +327,7 @@ def _compare_periods(scene, periods, history, settling_noise, runs, i):
     period = settled_period(scene.events, pressed, length, states, lowest, p, noise)
     if period > 0:
         runs[i, AT.period] = period
-        _end(scene, runs, i, OUTCOME.SETTLED, REASON.NONE)
+        end(scene, runs, i, OUTCOME.SETTLED, REASON.NONE)
     until = watched_until(pressed, states)
     if until > 0:
         until += periods - pressed
@@ -436,7 +342,7 @@ def end_period(scene, history, settling_noise, runs, i):
     """Count a completed period; end the run if it may settle and its motion is periodic."""
     periods = int(runs[i, AT.periods]) + 1
     runs[i, AT.periods] = periods
-    _note_end_of_period(scene, runs, i)
+    note_end_of_period(scene, runs, i)
     if settling_noise > 0.0:
         _compare_periods(scene, periods, history, settling_noise, runs, i)
 
@@ -451,7 +357,7 @@ def end_step(scene, reached_stop, history, control, runs, i):
     elif runs[i, AT.rhs_evaluations] > control.max_evaluations:
         fail(scene, runs, i, REASON.TOO_MANY_EVALUATIONS)
     elif runs[i, AT.time] >= runs[i, AT.deadline]:
-        _end(scene, runs, i, OUTCOME.HORIZON_REACHED, REASON.NONE)
+        end(scene, runs, i, OUTCOME.HORIZON_REACHED, REASON.NONE)
     elif runs[i, AT.time] >= runs[i, AT.halt]:
         _note_halt(runs, i)
         if runs[i, AT.stage] == PRESSES:

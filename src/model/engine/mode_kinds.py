@@ -47,9 +47,9 @@ SIDE_CONTACTS = (
 
 
 class ModeKind(NamedTuple):
-    """A kind of mode: place of the support, and numbers of the ``SIDE_CONTACTS`` of both sides."""
+    """A kind of mode: position of the support, and ``SIDE_CONTACTS`` of both sides, by number."""
 
-    place: int
+    position: int
     support: int
     side: int
 
@@ -58,8 +58,8 @@ class ModeKind(NamedTuple):
 _EDGE, _CORNER, _BOTH = (FREE, SLIDES, STICKS), (3, 4), (5, 6, 7, 8)
 
 
-def _kinds(places: Iterable[int], *sides: Iterable[int]) -> tuple[ModeKind, ...]:
-    return tuple(ModeKind(*each) for each in product(places, *sides))
+def _kinds(positions: Iterable[int], *sides: Iterable[int]) -> tuple[ModeKind, ...]:
+    return tuple(ModeKind(*each) for each in product(positions, *sides))
 
 
 _CORNERS = _CORNER + _BOTH
@@ -81,8 +81,8 @@ USUAL_KINDS = (
 def kinds_of(inserts: bool) -> tuple[ModeKind, ...]:
     """Return all kinds of modes, the usual ones first, in a scene that ``inserts`` or not."""
     usual = USUAL_KINDS if inserts else ALIGNMENT_KINDS
-    places = range(3 if inserts else 2)
-    return tuple(dict.fromkeys((*usual, *_kinds(places, _ALL, _ALL if inserts else _EDGE))))
+    positions = range(3 if inserts else 2)
+    return tuple(dict.fromkeys((*usual, *_kinds(positions, _ALL, _ALL if inserts else _EDGE))))
 
 
 def mode_of_kind(kind: ModeKind, slips: Sequence[Any], corner_offset: Any) -> Mode:
@@ -93,8 +93,8 @@ def mode_of_kind(kind: ModeKind, slips: Sequence[Any], corner_offset: Any) -> Mo
         for each, slip in zip((support, side), slips, strict=True)
     )
     return START._replace(
-        edge=LEFT_EDGE if kind.place == ON_LEFT_EDGE else RIGHT_EDGE,
-        in_slot=kind.place == BETWEEN_WALLS,
+        edge=LEFT_EDGE if kind.position == ON_LEFT_EDGE else RIGHT_EDGE,
+        in_slot=kind.position == BETWEEN_WALLS,
         face=CLOSED if support.edge else OPEN, corner=CLOSED if support.corner else OPEN,
         corner_offset=corner_offset,
         slip_at_corner=support.slip_at_corner, support_slip=support_slip,
@@ -104,7 +104,7 @@ def mode_of_kind(kind: ModeKind, slips: Sequence[Any], corner_offset: Any) -> Mo
 
 
 def numbers_of(kinds: Sequence[ModeKind]) -> NDArray[np.int64]:
-    """Return the table [place, support, side] of indices in ``kinds``; -1 where a kind is not."""
+    """Return the table [position, support, side] of indices in ``kinds``; -1 if one is not."""
     numbers = np.full((3, len(SIDE_CONTACTS), len(SIDE_CONTACTS)), -1)
     for number, kind in enumerate(kinds):
         numbers[kind] = number
@@ -124,14 +124,14 @@ def _side_contacts(edge, corner, slip_at_corner, slip):
 @inlined_kernel
 def kind_in(numbers, mode):
     """Return the number of the kind of a mode, -1 if it is not held; see ``numbers_of``."""
-    place = ON_RIGHT_EDGE
+    position = ON_RIGHT_EDGE
     if mode.in_slot:
-        place = BETWEEN_WALLS
+        position = BETWEEN_WALLS
     elif mode.edge == LEFT_EDGE and (mode.face != OPEN or mode.corner != OPEN):
-        place = ON_LEFT_EDGE
+        position = ON_LEFT_EDGE
     support = _side_contacts(mode.face, mode.corner, mode.slip_at_corner, mode.support_slip)
     side = _side_contacts(mode.side, mode.wall, mode.slip_at_wall, mode.side_slip)
-    return numbers[place, support, side]
+    return numbers[position, support, side]
 
 
 MODES_OF_A_KIND = 64  # numbers of ``mode_in_kind``
@@ -149,7 +149,7 @@ def mode_in_kind(mode):
 def lane_modes(inserts: bool, kinds: tuple[ModeKind, ...]) -> list[tuple[Mode, tuple[int, int]]]:
     """Enumerate every mode of these ``kinds``, with slips of one sign: no event depends on it.
 
-    With each its place: the number of its kind, and its number in the kind.
+    With each its key: the number of its kind, and its number in the kind.
     """
     within = _STATES if inserts else (OPEN,)
     modes = [
@@ -169,5 +169,5 @@ def lane_modes(inserts: bool, kinds: tuple[ModeKind, ...]) -> list[tuple[Mode, t
         if edge == RIGHT_EDGE or not in_slot  # A1 and B1 are the right side of the slot
     ]  # fmt: skip
     numbers = numbers_of(kinds)
-    places = ((int(kind_in(numbers, mode)), mode_in_kind(mode)) for mode in modes)
-    return [each for each in zip(modes, places, strict=True) if each[1][0] >= 0]
+    keys = ((int(kind_in(numbers, mode)), mode_in_kind(mode)) for mode in modes)
+    return [each for each in zip(modes, keys, strict=True) if each[1][0] >= 0]

@@ -7,7 +7,6 @@ the new largest values, for scheduling.py.
 from math import inf
 
 from model.compile.kernels import inlined_kernel, kernel
-from model.compile.vector_code import WIDTH
 from model.engine.event_search import line_at
 from model.engine.series_layout import FRACTIONS, LINES, NODES, ORDER, SINES, TILT
 from model.engine.step import curvature_bound
@@ -25,17 +24,17 @@ _CLOSE = 1e-3  # last correction, in steps: the error left is of the order of it
 @inlined_kernel
 def _with_slope(line, sign, time, w, lane):
     """A line times ``sign`` at ``time`` after the step's start, and its first two derivatives."""
-    value, slope, half = w[(COEFFICIENTS + ORDER * LINES + line) * WIDTH + lane], 0.0, 0.0
+    value, slope, half = w[COEFFICIENTS + ORDER * LINES + line, lane], 0.0, 0.0
     for order in range(ORDER - 1, -1, -1):
         half = half * time + slope
         slope = slope * time + value
-        value = value * time + w[(COEFFICIENTS + order * LINES + line) * WIDTH + lane]
+        value = value * time + w[COEFFICIENTS + order * LINES + line, lane]
     return sign * value, sign * slope, 2.0 * sign * half
 
 
 @inlined_kernel
 def _slopes(g):
-    """Derivatives of a quantity at five equidistant places, by finite differences."""
+    """Derivatives of a quantity at five equidistant nodes, by finite differences."""
     return (
         (-25.0 * g[0] + 48.0 * g[1] - 36.0 * g[2] + 16.0 * g[3] - 3.0 * g[4]) / 12.0,
         (-3.0 * g[0] - 10.0 * g[1] + 18.0 * g[2] - 6.0 * g[3] + g[4]) / 12.0,
@@ -52,7 +51,7 @@ def _peak(line, sign, left, theta, right, w, lane):
     -inf unless the line rises at ``left`` and falls at ``right``. Newton's iteration for the zero
     of the slope, from ``theta``; in place of a step that would leave the bracket, bisection.
     """
-    length = w[STEP_LENGTH * WIDTH + lane]
+    length = w[STEP_LENGTH, lane]
     low, time, high = left * length, theta * length, right * length
     if not (
         _with_slope(line, sign, low, w, lane)[1] > 0.0 > _with_slope(line, sign, high, w, lane)[1]
@@ -73,12 +72,8 @@ def _peak(line, sign, left, theta, right, w, lane):
 @kernel
 def _highest(line, sign, until, known, w, lane):
     """The larger of a ``known`` value and the maximum of a line times ``sign`` before ``until``."""
-    first, node = (VALUES + line) * WIDTH + lane, SINES * WIDTH
     bound = curvature_bound(line, w, lane)
-    g = (
-        sign * w[first], sign * w[first + node], sign * w[first + 2 * node],
-        sign * w[first + 3 * node], sign * w[first + 4 * node],
-    )  # fmt: skip
+    g = tuple(sign * w[VALUES + node * SINES + line, lane] for node in range(NODES))
     if max(max(g[0], g[1]), max(max(g[2], g[3]), g[4])) + bound <= known:
         return known
     highest = max(known, g[0])

@@ -17,11 +17,17 @@ from model.compile.vector_code import WIDTH
 from model.engine import workspace
 from model.engine.carried_error import apply_saltation, carry_error, error_of_time
 from model.engine.event_search import NO_EVENT, first_event, rates_in_step, state_at
-from model.engine.lane_events import QUANTITIES, TERMS, LaneEvents, applicable_in, kind_of
+from model.engine.lane_events import (
+    QUANTITIES,
+    TERMS,
+    LaneEvents,
+    applicable_in,
+    kind_of_mode,
+    sample_line,
+)
 from model.engine.lifecycle import (
     History,
     apply_event,
-    begin,
     carries_error,
     end_period,
     end_step,
@@ -51,6 +57,7 @@ from model.engine.series import CORNER_OFFSET, LANE_CONSTANTS, SIDE_SIGN, SUPPOR
 from model.engine.series_kernels import missing_series
 from model.engine.series_layout import NODES, ORDER
 from model.engine.short_steps import step_without_series
+from model.engine.start import begin
 from model.engine.step import step_all
 from model.engine.track import COLUMNS, track_run, track_step
 from model.engine.workspace import (
@@ -90,13 +97,13 @@ _GATHERED = (
 def _gather(lanes, runs, i, w, lane):
     """Copy run ``i`` into a lane."""
     for n in range(LANE_CONSTANTS):
-        w[n * WIDTH + lane] = runs[i, n]
+        w[n, lane] = runs[i, n]
     for line, column in _GATHERED:
-        w[line * WIDTH + lane] = runs[i, column]
+        w[line, lane] = runs[i, column]
     copy_mode(lanes, runs, i, MODE, w, lane)
     for n in range(STATE_SIZE):
-        w[(COEFFICIENTS + n) * WIDTH + lane] = runs[i, STATE + n]
-        w[(workspace.ERROR + n) * WIDTH + lane] = runs[i, ERROR + n]
+        w[COEFFICIENTS + n, lane] = runs[i, STATE + n]
+        w[workspace.ERROR + n, lane] = runs[i, ERROR + n]
 
 
 @kernel
@@ -106,15 +113,15 @@ def _note_closest(lanes, until, w, lane, runs, i):
     A level that starts at zero is left out: a mode starts at zeros of its own levels, and to leave
     one is not to approach an event.
     """
-    last, applicable = int(until * (NODES - 1)), int(w[workspace.APPLICABLE * WIDTH + lane])
+    last, applicable = int(until * (NODES - 1)), int(w[workspace.APPLICABLE, lane])
     while applicable != 0:
         which = lowest_bit(applicable)
         applicable &= applicable - 1
-        at, node = (lanes.samples + which) * WIDTH + lane, lanes.events.count * WIDTH
-        if w[at] > ON_AN_EVENT and w[at] != NEVER:
+        first = w[sample_line(lanes, which, 0), lane]
+        if first > ON_AN_EVENT and first != NEVER:
             lowest = runs[i, CLOSEST + which]
-            for each in range(1, last + 1):
-                lowest = min(lowest, w[at + each * node])
+            for node in range(1, last + 1):
+                lowest = min(lowest, w[sample_line(lanes, which, node), lane])
             runs[i, CLOSEST + which] = lowest
 
 
@@ -125,7 +132,7 @@ def _record_periods(scene, lanes, until, history, control, w, lane, runs, i):
     The run may end with one of them. Closest approaches of a step that lies in two periods count in
     both.
     """
-    start, length = runs[i, AT.time], w[workspace.STEP_LENGTH * WIDTH + lane]
+    start, length = runs[i, AT.time], w[workspace.STEP_LENGTH, lane]
     p, mode = constants_of_lane(lanes, w, lane), mode_of_lane(lanes, w, lane)
     while (
         runs[i, AT.outcome] == CONTINUES
@@ -143,7 +150,7 @@ def _record_periods(scene, lanes, until, history, control, w, lane, runs, i):
 @inlined_kernel
 def _advance(scene, lanes, until, history, control, track, w, lane, runs, i):
     """Advance by a step, or its fraction ``until`` an event; return whether the run continues."""
-    length, start = w[workspace.STEP_LENGTH * WIDTH + lane], runs[i, AT.time]
+    length, start = w[workspace.STEP_LENGTH, lane], runs[i, AT.time]
     if is_watched(runs, i):
         _note_closest(lanes, until, w, lane, runs, i)
     _record_periods(scene, lanes, until, history, control, w, lane, runs, i)
@@ -177,7 +184,7 @@ def _accept_step(scene, lanes, history, control, track, w, lane, runs, i):
     """Complete a step without an event."""
     if _advance(scene, lanes, 1.0, history, control, track, w, lane, runs, i):
         for n in range(STATE_SIZE):
-            runs[i, STATE + n] = w[(workspace.END + n) * WIDTH + lane]
+            runs[i, STATE + n] = w[workspace.END + n, lane]
         end_step(scene, False, history, control, runs, i)
 
 
@@ -189,7 +196,7 @@ def _advance_to_event(which, theta, scene, lanes, history, control, track, w, la
         carries = carries_error(scene, control, runs, i)
         had_aligned = not isnan(runs[i, AT.tau_align])
         store_state(q, runs, i)
-        step = w[workspace.STEP_LENGTH * WIDTH + lane]
+        step = w[workspace.STEP_LENGTH, lane]
         apply_event(which, theta * step, step, scene, control, runs, i)
         track_run(scene.events, track, runs[i, AT.last_event], runs, i)
         if carries:
@@ -209,7 +216,7 @@ def pass_step(scene, lanes, control, memory, lane, i):
     """Pass the step of a lane, or its part up to the first event, with run ``i``."""
     w, runs, history, track = memory.w, memory.runs, memory.history, memory.track
     runs[i, AT.rhs_evaluations] += ORDER
-    length = w[workspace.STEP_LENGTH * WIDTH + lane]
+    length = w[workspace.STEP_LENGTH, lane]
     if isnan(length):
         step_without_series(scene, control, history, runs, i)
         track_run(scene.events, track, 0.0, runs, i)
@@ -217,7 +224,7 @@ def pass_step(scene, lanes, control, memory, lane, i):
         fail(scene, runs, i, REASON.STEP_TOO_SMALL)
     else:
         which, theta = -1, NO_EVENT
-        if w[workspace.CANDIDATES * WIDTH + lane] != 0.0:
+        if w[workspace.CANDIDATES, lane] != 0.0:
             which, theta = first_event(lanes, w, lane, memory.search)
         if theta == NO_EVENT:
             _accept_step(scene, lanes, history, control, track, w, lane, runs, i)
@@ -276,10 +283,10 @@ def new_memory(
 
 
 @inlined_kernel
-def _place_in(waiting, kind, number):
-    """Return the index of a place in a ring buffer, ``number`` after its first run."""
-    place, size = waiting.firsts[kind] + number, waiting.runs.shape[1]
-    return place - size if place >= size else place
+def _index_in(waiting, kind, number):
+    """Return the index in a ring buffer ``number`` after that of its first run."""
+    index, size = waiting.firsts[kind] + number, waiting.runs.shape[1]
+    return index - size if index >= size else index
 
 
 @inlined_kernel
@@ -289,14 +296,14 @@ def _enqueue(scene, lanes, memory, results, i):
     It fails in a mode that a page does not hold. Returns True if the run waits.
     """
     runs, waiting = memory.runs, memory.waiting
-    kind = kind_of(lanes, mode_of(runs, i))
+    kind = kind_of_mode(lanes, mode_of(runs, i))
     if kind < 0 and runs[i, AT.outcome] == CONTINUES:
         fail(scene, runs, i, REASON.UNDECLARED_CONTACT)
     if runs[i, AT.outcome] != CONTINUES:
         store_result(scene.events, runs, i, results, int(runs[i, AT.number_in_batch]))
         return False
     waiting.used[0] = max(waiting.used[0], kind + 1)
-    waiting.runs[kind, _place_in(waiting, kind, waiting.counts[kind])] = i
+    waiting.runs[kind, _index_in(waiting, kind, waiting.counts[kind])] = i
     waiting.counts[kind] += 1
     return True
 
@@ -331,8 +338,8 @@ def _dequeue(kind, waiting, together):
     """Move up to WIDTH runs from a queue to ``together``; return their number."""
     count = min(WIDTH, waiting.counts[kind])
     for lane in range(count):
-        together[lane] = waiting.runs[kind, _place_in(waiting, kind, lane)]
-    waiting.firsts[kind] = _place_in(waiting, kind, count)
+        together[lane] = waiting.runs[kind, _index_in(waiting, kind, lane)]
+    waiting.firsts[kind] = _index_in(waiting, kind, count)
     waiting.counts[kind] -= count
     return count
 
@@ -347,7 +354,7 @@ def step_together(lanes, kind, count, control, memory):
         _gather(lanes, runs, i, w, lane)
         p, mode = constants_of(lanes.events, runs, i), mode_of(runs, i)
         may_apply = applicable_in(lanes, kind, p, mode)
-        w[workspace.APPLICABLE * WIDTH + lane] = float(may_apply)
+        w[workspace.APPLICABLE, lane] = float(may_apply)
         applicable |= may_apply
     step_all(lanes, kind, applicable, control, memory.addresses, w)
 

@@ -15,6 +15,21 @@ from typing import Any, NamedTuple
 
 from model.compile.kernels import Symbol, python_of
 from model.engine.mode_kinds import SIDE_CONTACTS, ModeKind, mode_of_kind
+from model.engine.series_rules import (
+    Absolute,
+    Constant,
+    Cosine,
+    Lack,
+    Quotient,
+    Rate,
+    Root,
+    Sine,
+    StateVariable,
+    SumSeries,
+    TaylorSeries,
+    Time,
+    product,
+)
 from model.events.sources import corner_positions
 from model.physics.contacts import (
     Contact,
@@ -34,9 +49,6 @@ from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
 from model.physics.parameters import Constants
 from model.physics.trigonometry import sine_cosine, square_root
 from model.physics.variants import SWITCHES, Variants
-
-# Constant during a step: a number, ("given", place), or (operation, constant, constant).
-Constant = float | tuple[Any, ...]
 
 # Lanes hold the first fields of ``Constants``: all that select no variant of the equations. The
 # signs of the slips, and the depth of a corner when it began to press, follow.
@@ -69,31 +81,6 @@ def _product(a: Constant, b: Constant) -> Constant:
 
 def _inverse(a: Constant) -> Constant:
     return 1.0 / a if isinstance(a, float) else ("/", 1.0, a)
-
-
-class TaylorSeries(NamedTuple):
-    """A series: the rule of its coefficients, and what the rule is applied to.
-
-    Rules are "state", "time", "lack", "sine", "cosine", "product", "quotient", "root", "sum" and
-    "rate"; in levels of events (levels.py) also "line" and "absolute". The lack of the press is
-    linear in time: step.py writes its coefficients.
-    """
-
-    rule: str
-    operands: tuple[Any, ...]
-
-    @property
-    def is_convolved(self) -> bool:
-        """True if its coefficients are sums over those of its ``factors``."""
-        return self.rule in ("product", "quotient", "root")
-
-    @property
-    def factors(self) -> "tuple[TaylorSeries, TaylorSeries]":
-        """Factors of a product; of a quotient, itself and its divisor; of a root, twice itself."""
-        if self.rule == "root":
-            return self, self
-        one, other = self.operands
-        return (one, other) if self.rule == "product" else (self, other)
 
 
 _CONTACTS = tuple(
@@ -158,8 +145,7 @@ class Sum(Symbol):
         if not self.terms:
             return other.times(self.constant)
         (a, f, one), (b, g, another) = self._as_multiple(), other._as_multiple()
-        both = TaylorSeries("product", tuple(sorted((one, another), key=repr)))
-        squared = Sum(_product(a, b), {both: _product(f, g)})
+        squared = Sum(_product(a, b), {product(one, another): _product(f, g)})
         return squared + Sum(0.0, {another: _product(a, g)}) + Sum(0.0, {one: _product(b, f)})
 
     def _as_multiple(self) -> tuple[Constant, Constant, TaylorSeries]:
@@ -170,15 +156,15 @@ class Sum(Symbol):
         factor, origin = self.multiple or (1.0, self)
         return 0.0, factor, origin.as_series()
 
-    def as_series(self) -> TaylorSeries:
+    def as_series(self) -> SumSeries:
         """Return this sum as a series of its own."""
-        return TaylorSeries("sum", (self.constant, tuple(self.terms.items())))
+        return SumSeries(self.constant, tuple(self.terms.items()))
 
     def __truediv__(self, other: "Sum | float") -> "Sum":
         other = as_sum(other)
         if not other.terms:
             return self.times(_inverse(other.constant))
-        return Sum(0.0, {TaylorSeries("quotient", (self.as_series(), other.as_series())): 1.0})
+        return Sum(0.0, {Quotient(self.as_series(), other.as_series()): 1.0})
 
     def __neg__(self) -> "Sum":
         return self.times(-1.0)
@@ -193,7 +179,7 @@ class Sum(Symbol):
         return as_sum(other) / self
 
     def __abs__(self) -> "Sum":
-        return sum_of(TaylorSeries("absolute", (self.as_series(),)))
+        return sum_of(Absolute(self.as_series()))
 
     __radd__, __rmul__ = __add__, __mul__
 
@@ -203,9 +189,9 @@ def as_sum(value: Sum | float) -> Sum:
     return value if isinstance(value, Sum) else Sum(float(value), {})
 
 
-def given(place: int) -> Any:
-    """Return the constant at a place among those of a lane."""
-    return Sum(("given", place), {})
+def given(line: int) -> Any:
+    """Return the constant in a line of the workspace."""
+    return Sum(("given", line), {})
 
 
 def sum_of(series: TaylorSeries) -> Any:
@@ -213,9 +199,8 @@ def sum_of(series: TaylorSeries) -> Any:
     return Sum(0.0, {series: 1.0})
 
 
-STATES = tuple(TaylorSeries("state", (n,)) for n in range(len(State._fields)))
-_TIME = TaylorSeries("time", ())
-LACK_OF_PRESS = TaylorSeries("lack", ())
+STATES: tuple[TaylorSeries, ...] = tuple(map(StateVariable, range(len(State._fields))))
+LACK_OF_PRESS = Lack()
 
 
 def _with_rates(contact: Contact) -> Contact:
@@ -227,8 +212,8 @@ def _with_rates(contact: Contact) -> Contact:
 
 def _with_rate(value: Any) -> tuple[Any, Any]:
     """Return a sum, as a series of its own and a constant, and its rate."""
-    series = TaylorSeries("sum", (0.0, tuple(value.terms.items())))
-    return Sum(value.constant, {series: 1.0}), sum_of(TaylorSeries("rate", (series,)))
+    series = SumSeries(0.0, tuple(value.terms.items()))
+    return Sum(value.constant, {series: 1.0}), sum_of(Rate(series))
 
 
 def _tips_with_rates(side: float, q: State, p: Constants) -> Contact:
@@ -248,12 +233,12 @@ def _tips_with_rates(side: float, q: State, p: Constants) -> Contact:
 
 
 def _square_root(value: Sum) -> Sum:
-    return Sum(0.0, {TaylorSeries("root", (value.as_series(),)): 1.0})
+    return sum_of(Root(value.as_series()))
 
 
 def _sine_cosine(angle: Sum) -> tuple[Sum, Sum]:
-    key = (angle.constant, tuple(angle.terms.items()))
-    return sum_of(TaylorSeries("sine", key)), sum_of(TaylorSeries("cosine", key))
+    of = angle.constant, tuple(angle.terms.items())
+    return sum_of(Sine(*of)), sum_of(Cosine(*of))
 
 
 def _share(load: Sum, load_of_edge: Sum | float) -> Sum | float:
@@ -321,7 +306,7 @@ def recurrences(
     """
     p, q = symbols_of(constants, switches), State(*map(sum_of, STATES))
     mode = mode_of_kind(kind, (given(SUPPORT_SIGN), given(SIDE_SIGN)), given(CORNER_OFFSET))
-    at = motion(sum_of(_TIME), q, p, mode)
+    at = motion(sum_of(Time()), q, p, mode)
     edge = edge_on_side(RIGHT_EDGE, q, p) if mode.in_slot else support_on_face(mode.edge, q, p)
     left_edge = edge_on_side(LEFT_EDGE, q, p)
     corner = corner_on_wall(RIGHT_EDGE, q, p) if mode.in_slot else on_flat(q, p, mode)

@@ -5,17 +5,28 @@ which series_kernels.py makes kernels. The code computes WIDTH runs, one in each
 in the memory ``coefficients[order, line, lane]``.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from model.compile.vector_code import VectorWriter
-from model.engine.series import STATES, Constant, Sum, TaylorSeries
+from model.engine.series import STATES, Sum
 from model.engine.series_layout import (
     FURTHER_LINES,
     LINES,
     ORDERS,
     TILT,
     Layout,
+)
+from model.engine.series_rules import (
+    Constant,
+    Convolved,
+    Product,
+    Quotient,
+    Rate,
+    Root,
+    SumSeries,
+    TaylorSeries,
+    Terms,
 )
 
 _FIRST = "0"  # order
@@ -31,18 +42,18 @@ class SeriesWriter(VectorWriter):
     ``value`` of all others; ``terms`` holds the sums of ``_sum_known``.
     """
 
-    places = "coefficients, given, last"
+    signature = "coefficients, given, last"
 
     def __init__(self, name: str, layout: Layout) -> None:
-        super().__init__(name, self.places.count(",") + 1)
+        super().__init__(name, self.signature.count(",") + 1)
         self.memory, self.given, *others = self.arguments
         self.other, self.last = others[0], others[-1]
         self.layout = layout
         self.known: dict[Constant, str] = {}
         totals = [
-            Sum(series.operands[0], dict(series.operands[1]))
+            Sum(series.constant, dict(series.terms))
             for series in layout.stage
-            if series.rule == "sum"
+            if isinstance(series, SumSeries)
         ]
         for total in (*totals, *layout.recurrences.accelerations):
             for each in (total.constant, *total.terms.values()):
@@ -71,18 +82,18 @@ class SeriesWriter(VectorWriter):
                 self.known[value] = self.do(operation, *map(self.constant, of))
         return self.known[value]
 
-    def _place(self, memory: str, series: TaylorSeries, order: str) -> tuple[str, int]:
-        """Return the address of an order's lines, and the place of ``series`` among them."""
-        place, lines, first = self.layout.place[series], LINES, 0
-        if place >= LINES:
-            place, lines, first = place - LINES, FURTHER_LINES, ORDERS * LINES
-        return self.base(memory, order, lines), first + place
+    def _line(self, memory: str, series: TaylorSeries, order: str) -> tuple[str, int]:
+        """Return the address of an order's lines, and the line of ``series`` among them."""
+        line, lines, first = self.layout.line[series], LINES, 0
+        if line >= LINES:
+            line, lines, first = line - LINES, FURTHER_LINES, ORDERS * LINES
+        return self.base(memory, order, lines), first + line
 
     def _at(self, series: TaylorSeries, order: str) -> str:
-        return self.load(*self._place(self.memory, series, order))
+        return self.load(*self._line(self.memory, series, order))
 
     def _keep(self, value: str, series: TaylorSeries, order: str) -> None:
-        self.store(value, *self._place(self.memory, series, order))
+        self.store(value, *self._line(self.memory, series, order))
 
     def _one_more(self, index: str) -> tuple[()]:
         order = self.count("add", index, "1")
@@ -128,19 +139,17 @@ class SeriesWriter(VectorWriter):
         for products, others in layout.stages(ahead):
             self._complete(products, order, values)
             for series in others:
-                if series.rule == "rate":
-                    values[series] = self.do("fmul", self.ahead[series.operands[0]], self.number)
+                if isinstance(series, Rate):
+                    values[series] = self.do("fmul", self.ahead[series.of], self.number)
                 else:
-                    values[series] = self._total(
-                        series.operands[0], series.operands[1], order, values
-                    )
-                if series in layout.place:
+                    values[series] = self._total(series.constant, series.terms, order, values)
+                if series in layout.line:
                     self._keep(values[series], series, order)
 
     def _total(
         self,
         constant: Constant,
-        terms: tuple[tuple[TaylorSeries, Constant], ...],
+        terms: Terms,
         order: str,
         values: dict[TaylorSeries, str],
     ) -> str:
@@ -201,37 +210,37 @@ class SeriesWriter(VectorWriter):
         return self.repeat(count, add_terms, *(self.vector(0.0) for _ in several))
 
     def _complete(
-        self, products: list[TaylorSeries], order: str, values: dict[TaylorSeries, str]
+        self, products: Sequence[Convolved], order: str, values: dict[TaylorSeries, str]
     ) -> None:
         """Complete the products of a stage at ``order`` by the terms with their newest factors."""
         for series in products:
             one, other = series.factors
             total = self.terms.get(series, self.vector(0.0))
-            if series.rule == "product":
+            if isinstance(series, Product):
                 total = self.fma(self._newest(one, order, values), self._at(other, _FIRST), total)
-            if order != _FIRST and series.rule != "root":
+            if order != _FIRST and not isinstance(series, Root):
                 total = self.fma(self._at(one, _FIRST), self._newest(other, order, values), total)
-            values[series] = (
-                total if series.rule == "product" else self._finished(series, total, order)
-            )
-            if series in self.layout.place:
+            if not isinstance(series, Product):
+                total = self._finished(series, total, order)
+            values[series] = total
+            if series in self.layout.line:
                 self._keep(values[series], series, order)
 
-    def _finished(self, series: TaylorSeries, others: str, order: str) -> str:
+    def _finished(self, series: Quotient | Root, others: str, order: str) -> str:
         """q_k = (a_k - Σ_(j<k) q_j b_(k-j)) / b_0; r_k = (a_k - Σ_(0<j<k) r_j r_(k-j)) / 2 r_0."""
-        of, *_ = series.operands
-        if series.rule == "root" and order == _FIRST:
-            return self.call("sqrt", self._at(of, order))
-        return self._divided(series, self.do("fsub", self._at(of, order), others), self._at)
+        of = self._at(series.of, order)
+        if isinstance(series, Root) and order == _FIRST:
+            return self.call("sqrt", of)
+        return self._divided(series, self.do("fsub", of, others), self._at)
 
     def _divided(
-        self, series: TaylorSeries, rest: str, at: Callable[[TaylorSeries, str], str]
+        self, series: Quotient | Root, rest: str, at: Callable[[TaylorSeries, str], str]
     ) -> str:
         """Divide by b_0 of a quotient, or 2 r_0 of a root."""
-        if series.rule == "root":
+        if isinstance(series, Root):
             first = at(series, _FIRST)
             return self.do("fdiv", rest, self.do("fadd", first, first))
-        return self.do("fdiv", rest, at(series.operands[1], _FIRST))
+        return self.do("fdiv", rest, at(series.by, _FIRST))
 
 
 class ErrorWriter(SeriesWriter):
@@ -241,7 +250,7 @@ class ErrorWriter(SeriesWriter):
     states are given at order 0; errors of their coefficients are filled in up to ``last``.
     """
 
-    places = "errors, given, coefficients, last"
+    signature = "errors, given, coefficients, last"
 
     def __init__(self, name: str, layout: Layout) -> None:
         super().__init__(name, layout.for_accelerations())
@@ -263,22 +272,20 @@ class ErrorWriter(SeriesWriter):
             self._complete(self.layout.sines[:2], order, self.ahead)
         super()._write_stages(order, ahead)
 
-    def _total(
-        self, _: Constant, terms: tuple[tuple[TaylorSeries, Constant], ...], *at: Any
-    ) -> str:
+    def _total(self, _: Constant, terms: Terms, *at: Any) -> str:
         """The error of a sum; excitation and press have none."""
         prescribed = self.layout.prescribed
         return super()._total(0.0, tuple(each for each in terms if each[0] not in prescribed), *at)
 
     def _pairs(self, series: TaylorSeries) -> tuple[tuple[TaylorSeries, TaylorSeries], ...]:
         """Pairs (a, b): Σ_j (error of a)_j b_(k-j), summed over them, is the error of a series."""
+        if isinstance(series, Convolved):
+            return series.factors, series.factors[::-1]
         sine, cosine = self.layout.sines[:2]
-        if series in (sine, cosine):
-            return ((STATES[TILT], cosine if series == sine else sine),)
-        return series.factors, series.factors[::-1]
+        return ((STATES[TILT], cosine if series == sine else sine),)
 
     def _coefficient(self, series: TaylorSeries, order: str) -> str:
-        return self.load(*self._place(self.other, series, order))
+        return self.load(*self._line(self.other, series, order))
 
     def _sum_known(self, order: str) -> None:
         """Sum the terms of all pairs with errors of orders below ``order``."""
@@ -304,7 +311,7 @@ class ErrorWriter(SeriesWriter):
         return self.repeat(order, add_terms, *(self.vector(0.0) for _ in several))
 
     def _complete(
-        self, several: list[TaylorSeries], order: str, values: dict[TaylorSeries, str]
+        self, several: Sequence[TaylorSeries], order: str, values: dict[TaylorSeries, str]
     ) -> None:
         """Complete the errors of series at ``order`` by the terms with the newest errors."""
         for series in several:
@@ -313,9 +320,9 @@ class ErrorWriter(SeriesWriter):
                 if one != series:
                     newest = self._newest(one, order, values)
                     total = self.fma(newest, self._coefficient(other, _FIRST), total)
-            if series.rule in ("quotient", "root"):
-                rest = self.do("fsub", self._newest(series.operands[0], order, values), total)
+            if isinstance(series, Quotient | Root):
+                rest = self.do("fsub", self._newest(series.of, order, values), total)
                 total = self._divided(series, rest, self._coefficient)
             values[series] = self.do("fneg", total) if series == self.layout.sines[1] else total
-            if series in self.layout.place:
+            if series in self.layout.line:
                 self._keep(values[series], series, order)

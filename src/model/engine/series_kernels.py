@@ -133,7 +133,7 @@ class Series:
 
     @property
     def identity(self) -> Any:
-        """What it is made of, for the cache."""
+        """Return what it is made of, for the cache."""
         return *self._arguments, self.is_resident
 
     def load(self, number: int) -> None:
@@ -179,13 +179,13 @@ def missing_series(lanes, kind, carries_error, addresses):
 @inlined_kernel
 def fill_series(lanes, kind, addresses, w):
     """Fill the series of lanes in a kind of mode."""
-    places = COEFFICIENTS, 0, LAST_ORDER
+    lines = COEFFICIENTS, 0, LAST_ORDER
     if lanes.series.is_resident:
         for number, fill in enumerate(lanes.series.fill):
             if kind == number:
-                fill(w, places)
+                fill(w, lines)
     else:
-        call_at(addresses[kind], w, places)
+        call_at(addresses[kind], w, lines)
 
 
 @inlined_kernel

@@ -9,7 +9,19 @@ registers.
 from collections.abc import Iterator
 from copy import copy
 
-from model.engine.series import LACK_OF_PRESS, STATES, EventQuantities, Recurrences, TaylorSeries
+from model.engine.series import LACK_OF_PRESS, STATES, EventQuantities, Recurrences
+from model.engine.series_rules import (
+    Convolved,
+    Cosine,
+    Lack,
+    Product,
+    Rate,
+    Sine,
+    StateVariable,
+    SumSeries,
+    TaylorSeries,
+    product,
+)
 
 ORDER = 16  # of the series
 METHOD = f"Taylor series of order {ORDER}"
@@ -35,11 +47,7 @@ SUMMED_ORDERS = (10, 13, ORDER, ORDER)
 
 def _inputs(series: TaylorSeries) -> tuple[TaylorSeries, ...]:
     """Return the series whose coefficients of an order ``series`` needs for its own of it."""
-    if series.rule in ("product", "quotient", "root", "rate"):
-        return series.operands
-    if series.rule == "sum":
-        return tuple(each for each, _ in series.operands[1])
-    return ()
+    return series.inputs if isinstance(series, SumSeries | Rate | Convolved) else ()
 
 
 class Layout:
@@ -55,7 +63,7 @@ class Layout:
         prescribed: series of forces that depend on time alone.
         turning: products of the tilt rate with sine and cosine of the tilt.
         rate: rate of the excitation's angle.
-        place: line of a series in memory; other series stay in registers.
+        line: that of a series in memory; other series stay in registers.
         stage: number of products, quotients and roots to be computed one after another for a
             series.
         factors: see ``_choose_factors``.
@@ -67,24 +75,24 @@ class Layout:
         self.quantities = [each.as_series() for each in recurrences.quantities]
         self.sines = self._sines()
         self.prescribed = (*self.sines[2:], LACK_OF_PRESS)
-        self.place = {each: n for n, each in enumerate((*STATES, *self.quantities))}
-        self.place |= {each: SINES + n for n, each in enumerate((*self.sines, LACK_OF_PRESS))}
+        self.line = {each: n for n, each in enumerate((*STATES, *self.quantities))}
+        self.line |= {each: SINES + n for n, each in enumerate((*self.sines, LACK_OF_PRESS))}
         self.stage: dict[TaylorSeries, int] = {}
         for series in (*self.terms, *self.quantities):
             self._assign_stage(series)
         for series in self.stage:
-            if series.is_convolved:
-                for each in (*series.operands, *(() if series.rule == "product" else (series,))):
-                    self.place.setdefault(each, self._next_place())
+            if isinstance(series, Convolved):
+                for each in (*series.inputs, *(() if isinstance(series, Product) else (series,))):
+                    self.line.setdefault(each, self._next_line())
             if not self.is_ahead(series):
                 for each in filter(self.is_ahead, _inputs(series)):
-                    self.place.setdefault(each, self._next_place())
+                    self.line.setdefault(each, self._next_line())
         for each in filter(self.is_ahead, self.terms):
-            self.place.setdefault(each, self._next_place())
-        if self._next_place() > LINES + FURTHER_LINES:
+            self.line.setdefault(each, self._next_line())
+        if self._next_line() > LINES + FURTHER_LINES:
             raise AssertionError(
                 f"LINES = {LINES} and FURTHER_LINES = {FURTHER_LINES}: must be at least "
-                f"{self._next_place()} together"
+                f"{self._next_line()} together"
             )
         self.factors = self._choose_factors()
 
@@ -96,19 +104,17 @@ class Layout:
             layout._assign_stage(each)
         return layout
 
-    def _next_place(self) -> int:
-        return max(self.place.values()) + 1
+    def _next_line(self) -> int:
+        return max(self.line.values()) + 1
 
     def _sines(self) -> list[TaylorSeries]:
         """Return ``sines``; set ``turning`` and ``rate``."""
         tilt = (0.0, ((STATES[2], 1.0),))
-        pair = TaylorSeries("sine", tilt), TaylorSeries("cosine", tilt)
-        self.turning = [
-            TaylorSeries("product", tuple(sorted((STATES[5], each), key=repr))) for each in pair
-        ]
-        (sine,) = [each for each in self.terms if each.rule == "sine" and each != pair[0]]
-        self.rate = sine.operands[1][0][1]  # of the excitation's angle
-        return [*pair, sine, TaylorSeries("cosine", sine.operands)]
+        pair = Sine(*tilt), Cosine(*tilt)
+        self.turning = [product(STATES[5], each) for each in pair]
+        (sine,) = [each for each in self.terms if isinstance(each, Sine) and each != pair[0]]
+        self.rate = sine.terms[0][1]  # of the excitation's angle
+        return [*pair, sine, Cosine(sine.constant, sine.terms)]
 
     def _choose_factors(self) -> dict[TaylorSeries, tuple[TaylorSeries, TaylorSeries]]:
         """Choose the factors a and b of Σ_j a_j b_(k-j), for every product, quotient and root.
@@ -120,12 +126,12 @@ class Layout:
 
         def merit(forward: TaylorSeries, backward: TaylorSeries, ahead: bool) -> tuple[bool, int]:
             shared = ((forward, None) in taken) + ((backward, ahead) in taken)
-            return forward.rule in ("sine", "cosine"), shared
+            return isinstance(forward, Sine | Cosine), shared
 
-        factors = {}
+        factors: dict[TaylorSeries, tuple[TaylorSeries, TaylorSeries]] = {}
         for series in dict.fromkeys((*self.products(True), *self.turning, *self.products(False))):
             ahead, (one, other) = self.is_ahead(series), series.factors
-            if series.rule == "product" and merit(other, one, ahead) > merit(one, other, ahead):
+            if isinstance(series, Product) and merit(other, one, ahead) > merit(one, other, ahead):
                 one, other = other, one
             taken |= {(one, None), (other, ahead)}
             factors[series] = one, other
@@ -134,25 +140,25 @@ class Layout:
     def _assign_stage(self, series: TaylorSeries) -> int:
         if series not in self.stage:
             before = max((self._assign_stage(each) for each in _inputs(series)), default=0)
-            self.stage[series] = before + series.is_convolved
+            self.stage[series] = before + isinstance(series, Convolved)
         return self.stage[series]
 
     def is_ahead(self, series: TaylorSeries) -> bool:
         """Return whether a series depends on positions alone."""
-        if series.rule == "state":
-            return bool(series.operands[0] < len(STATES) // 2)
-        if series.rule in ("sine", "cosine"):
+        if isinstance(series, StateVariable):
+            return series.number < len(STATES) // 2
+        if isinstance(series, Sine | Cosine):
             return series in self.sines[:2]
-        return series.rule not in ("rate", "lack") and all(map(self.is_ahead, _inputs(series)))
+        return not isinstance(series, Rate | Lack) and all(map(self.is_ahead, _inputs(series)))
 
-    def stages(self, ahead: bool) -> Iterator[tuple[list[TaylorSeries], list[TaylorSeries]]]:
+    def stages(self, ahead: bool) -> Iterator[tuple[list[Convolved], list[SumSeries | Rate]]]:
         """Yield for each stage its convolved series, and its other series in their order."""
         for stage in range(max(self.stage.values()) + 1):
             here = [each for each, its_stage in self.stage.items() if its_stage == stage]
             here = [each for each in here if self.is_ahead(each) == ahead]
-            products = [each for each in here if each.is_convolved]
-            yield products, [each for each in here if each.rule in ("sum", "rate")]
+            products = [each for each in here if isinstance(each, Convolved)]
+            yield products, [each for each in here if isinstance(each, SumSeries | Rate)]
 
-    def products(self, ahead: bool) -> list[TaylorSeries]:
+    def products(self, ahead: bool) -> list[Convolved]:
         """Return all products, quotients and roots, of positions alone or all others."""
         return [each for products, _ in self.stages(ahead) for each in products]

@@ -87,13 +87,13 @@ def _set_sines(lanes, w):
     first = COEFFICIENTS + SINES
     for i in each_lane():
         p = constants_of_lane(lanes, w, i)
-        s, c = sine_cosine(w[(COEFFICIENTS + TILT) * WIDTH + i])
-        w[first * WIDTH + i], w[(first + 1) * WIDTH + i] = s, c
-        s, c = sine_cosine(p.frequency * w[TIME * WIDTH + i] + p.phase)
-        w[(first + 2) * WIDTH + i], w[(first + 3) * WIDTH + i] = s, c
-        lack = lack_of_press(w[TIME * WIDTH + i], p)
-        w[(COEFFICIENTS + LACK) * WIDTH + i] = lack
-        w[(COEFFICIENTS + LINES + LACK) * WIDTH + i] = -p.press_rate if lack > 0.0 else 0.0
+        s, c = sine_cosine(w[COEFFICIENTS + TILT, i])
+        w[first, i], w[first + 1, i] = s, c
+        s, c = sine_cosine(p.frequency * w[TIME, i] + p.phase)
+        w[first + 2, i], w[first + 3, i] = s, c
+        lack = lack_of_press(w[TIME, i], p)
+        w[COEFFICIENTS + LACK, i] = lack
+        w[COEFFICIENTS + LINES + LACK, i] = -p.press_rate if lack > 0.0 else 0.0
 
 
 @inlined_kernel
@@ -123,14 +123,14 @@ def _step_of(lanes, order, admitted, w, i):
     if lanes.symbols.printed_contact_damping_law != 0.0:
         lines = (*lines, *_LOADS)
     for n in lines:
-        size = abs(w[(COEFFICIENTS + order * LINES + n) * WIDTH + i])
+        size = abs(w[COEFFICIENTS + order * LINES + n, i])
         if n in _OF_TIPS:
             size = size if mode.face != OPEN else 0.0
         elif n == SIDE_LOAD:
             size = size if mode.side != OPEN else 0.0
         elif n == CORNER_LOAD:
             size = size if mode.corner != OPEN else 0.0
-        scale = 1.0 + abs(w[(COEFFICIENTS + n) * WIDTH + i])
+        scale = 1.0 + abs(w[COEFFICIENTS + n, i])
         is_larger = size * its_scale > largest_size * scale
         largest_size = size if is_larger else largest_size
         its_scale = scale if is_larger else its_scale
@@ -142,7 +142,7 @@ def _nothing(lanes, w, i):
     """Return 0, or NaN if a last coefficient of the states or event quantities is not a number."""
     last, total = COEFFICIENTS + ORDER * LINES, 0.0
     for n in range(STATE_LINES + lanes.series.count):
-        total = total + w[(last + n) * WIDTH + i]
+        total = total + w[last + n, i]
     return 0.0 * total
 
 
@@ -154,14 +154,14 @@ def _set_lengths(lanes, w):
     pass.
     """
     for i in each_lane():
-        admitted = LAST_TERMS * w[TOLERANCE * WIDTH + i]
+        admitted = LAST_TERMS * w[TOLERANCE, i]
         step = min(
             _step_of(lanes, ORDER, admitted, w, i), _step_of(lanes, ORDER - 1, admitted, w, i)
         )
-        step = min(step, w[LONGEST * WIDTH + i])
-        time, halt = w[TIME * WIDTH + i], w[HALT * WIDTH + i]
+        step = min(step, w[LONGEST, i])
+        time, halt = w[TIME, i], w[HALT, i]
         step = halt - time if time + 1.0001 * step >= halt else step
-        w[STEP_LENGTH * WIDTH + i] = step + _nothing(lanes, w, i)
+        w[STEP_LENGTH, i] = step + _nothing(lanes, w, i)
 
 
 @kernel
@@ -169,31 +169,31 @@ def _set_error_orders(lanes, w):
     """Set the order of each lane's error by how far its fastest oscillation turns in the step."""
     for i in each_lane():
         p, mode = constants_of_lane(lanes, w, i), mode_of_lane(lanes, w, i)
-        turned = w[STEP_LENGTH * WIDTH + i] * largest_rate(p, mode)
+        turned = w[STEP_LENGTH, i] * largest_rate(p, mode)
         order = 0.0
         for enough, most in reversed(tuple(zip(ERROR_ORDERS, _MOST_TURNED, strict=True))):
             order = float(enough) if turned <= most else order
-        w[ERROR_ORDER * WIDTH + i] = order
+        w[ERROR_ORDER, i] = order
 
 
 @inlined_kernel
 def _set_filled_order(w):
     """Set the order to which errors are filled: the highest of all lanes."""
-    most = w[ERROR_ORDER * WIDTH]
+    most = w[ERROR_ORDER, 0]
     for i in range(1, WIDTH):
-        most = max(most, w[ERROR_ORDER * WIDTH + i])
-    w[FILLED_ORDER * WIDTH] = most
+        most = max(most, w[ERROR_ORDER, i])
+    w[FILLED_ORDER, 0] = most
 
 
 @inlined_kernel
 def curvature_bound(line, w, i):
     """Return the bound of a quantity's distance from the line through two of its samples."""
-    return CURVATURE * w[(VALUES + NODES * SINES + line) * WIDTH + i]
+    return CURVATURE * w[VALUES + NODES * SINES + line, i]
 
 
 @inlined_kernel
 def stays_above(left, right, bound, least=-ON_AN_EVENT):
-    """Return whether a level with this curvature bound stays above zero between two places.
+    """Return whether a level with this curvature bound stays above zero between two nodes.
 
     If its values there differ by more than four bounds, it is monotonic: it may then begin at
     ``least`` and rise, or fall and end above zero.
@@ -230,15 +230,13 @@ def _subintervals(first, second, third, fourth):
 @inlined_kernel
 def _levels_of(lanes, which, w, i):
     """Return the level of an event at each node."""
-    return tuple(w[sample_line(lanes, which, node) * WIDTH + i] for node in range(NODES))
+    return tuple(w[sample_line(lanes, which, node), i] for node in range(NODES))
 
 
 @inlined_kernel
 def _quantities_at(lanes, which, node, w, i):
     """Return the quantities of an event at a node; their bounds, at node NODES."""
-    return tuple(
-        w[quantity_line(lanes, which, node, part) * WIDTH + i] for part in range(QUANTITIES)
-    )
+    return tuple(w[quantity_line(lanes, which, node, part), i] for part in range(QUANTITIES))
 
 
 @inlined_kernel
@@ -246,15 +244,15 @@ def _screen_single(lanes, which, w):
     """Add the bit of an event in lanes where its level, of one quantity, may reach zero."""
     bit = float(1 << which)
     for i in each_lane():
-        above = min(_levels_of(lanes, which, w, i)) - w[(lanes.bounds + which) * WIDTH + i]
-        w[CANDIDATES * WIDTH + i] += 0.0 if above > 0.0 else bit
+        above = min(_levels_of(lanes, which, w, i)) - w[lanes.bounds + which, i]
+        w[CANDIDATES, i] += 0.0 if above > 0.0 else bit
 
 
 @inlined_kernel
 def _is_clear(lanes, which, part, w, i):
     """Return whether a quantity stays above its bound at every node."""
-    values = tuple(w[quantity_line(lanes, which, n, part) * WIDTH + i] for n in range(NODES))
-    return min(values) > w[quantity_line(lanes, which, NODES, part) * WIDTH + i]
+    values = tuple(w[quantity_line(lanes, which, n, part), i] for n in range(NODES))
+    return min(values) > w[quantity_line(lanes, which, NODES, part), i]
 
 
 @inlined_kernel
@@ -270,36 +268,42 @@ def _screen_combined(lanes, which, w):
             | _is_clear(lanes, which, 1, w, i)
             | _is_clear(lanes, which, 2, w, i)
             | _is_clear(lanes, which, 3, w, i)
-            | (w[sample_line(lanes, which, 0) * WIDTH + i] == NEVER)
+            | (w[sample_line(lanes, which, 0), i] == NEVER)
         )
-        w[CANDIDATES * WIDTH + i] += 0.0 if is_clear else bit
+        w[CANDIDATES, i] += 0.0 if is_clear else bit
+
+
+@inlined_kernel
+def _for_each(events, combined, single, lanes, w):
+    """Do for each of the events in a mask what its number of quantities asks for."""
+    while events != 0:
+        which = lowest_bit(events)
+        events &= events - 1
+        if which < lanes.events.combined:
+            combined(lanes, which, w)
+        else:
+            single(lanes, which, w)
 
 
 @kernel
 def _screen(lanes, applicable, w):
     """Write the candidates of each lane among the events that may apply."""
     for i in each_lane():
-        w[CANDIDATES * WIDTH + i] = 0.0
-    while applicable != 0:
-        which = lowest_bit(applicable)
-        applicable &= applicable - 1
-        if which < lanes.events.combined:
-            _screen_combined(lanes, which, w)
-        else:
-            _screen_single(lanes, which, w)
+        w[CANDIDATES, i] = 0.0
+    _for_each(applicable, _screen_combined, _screen_single, lanes, w)
 
 
 @inlined_kernel
 def _set_subintervals(lanes, which, mask, w, i):
-    w[(lanes.subintervals + which) * WIDTH + i] = mask
-    w[CANDIDATES * WIDTH + i] += float(1 << which) if mask > 0.0 else 0.0
+    w[lanes.subintervals + which, i] = mask
+    w[CANDIDATES, i] += float(1 << which) if mask > 0.0 else 0.0
 
 
 @inlined_kernel
 def _find_single(lanes, which, w):
     """Write the subintervals that may contain a down-crossing of a level of one quantity."""
     for i in each_lane():
-        g, bound = _levels_of(lanes, which, w, i), w[(lanes.bounds + which) * WIDTH + i]
+        g, bound = _levels_of(lanes, which, w, i), w[lanes.bounds + which, i]
         mask = _subintervals(
             stays_above(g[0], g[1], bound), stays_above(g[1], g[2], bound),
             stays_above(g[2], g[3], bound), stays_above(g[3], g[4], bound),
@@ -317,7 +321,7 @@ def _find_combined(lanes, which, w):
             one_stays_above(q[0], q[1], bounds), one_stays_above(q[1], q[2], bounds),
             one_stays_above(q[2], q[3], bounds), one_stays_above(q[3], q[4], bounds),
         )  # fmt: skip
-        first = w[sample_line(lanes, which, 0) * WIDTH + i]
+        first = w[sample_line(lanes, which, 0), i]
         _set_subintervals(lanes, which, 0.0 if first == NEVER else mask, w, i)
 
 
@@ -326,15 +330,9 @@ def _find(lanes, w):
     """Write the candidates that remain, with their subintervals."""
     candidates = 0
     for i in range(WIDTH):
-        candidates |= int(w[CANDIDATES * WIDTH + i])
-        w[CANDIDATES * WIDTH + i] = 0.0
-    while candidates != 0:
-        which = lowest_bit(candidates)
-        candidates &= candidates - 1
-        if which < lanes.events.combined:
-            _find_combined(lanes, which, w)
-        else:
-            _find_single(lanes, which, w)
+        candidates |= int(w[CANDIDATES, i])
+        w[CANDIDATES, i] = 0.0
+    _for_each(candidates, _find_combined, _find_single, lanes, w)
 
 
 @kernel
@@ -356,7 +354,7 @@ def step_all(lanes, kind, applicable, control, addresses, w):
     _set_sines(lanes, w)
     carries_error = control.carries_error != 0.0
     for i in each_lane():
-        w[LAST_ORDER * WIDTH + i] = ORDER + REMAINDER * carries_error
+        w[LAST_ORDER, i] = ORDER + REMAINDER * carries_error
     fill_series(lanes, kind, addresses, w)
     _set_lengths(lanes, w)
     if carries_error:

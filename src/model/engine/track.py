@@ -1,7 +1,6 @@
 """The track of a run: states, modes and forces over time, from the series of its steps."""
 
 from model.compile.kernels import inlined_kernel, kernel, separate_kernel
-from model.compile.vector_code import WIDTH
 from model.engine import workspace
 from model.engine.event_search import state_at
 from model.engine.record import AT, STATE, constants_of, mode_of, state_in
@@ -44,7 +43,7 @@ def track_run(events, track, event, runs, i):
 @kernel
 def track_step(events, track, start, until, w, lane, runs, i):
     """Append the step of a lane up to its fraction ``until``, which run ``i`` has reached."""
-    length = w[workspace.STEP_LENGTH * WIDTH + lane]
+    length = w[workspace.STEP_LENGTH, lane]
     for n in range(1, _SAMPLES):
         theta = n / _SAMPLES
         if theta < until:

@@ -1,6 +1,6 @@
 """The SIMD workspace: WIDTH runs in the same kind of mode, one in each lane of a vector.
 
-A line of the workspace ``w`` holds one number per lane: line n of lane i is ``w[n * WIDTH + i]``.
+A line of the workspace ``w`` holds one number per lane: line n of lane i is ``w[n, i]``.
 Loops over lanes are plain arithmetic, so that the compiler vectorizes them; the series are written
 for vectors (series_code.py). scheduling.py copies runs into lanes, step.py fills the other lines,
 and event_search.py, peaks.py and carried_error.py read them lane by lane.
@@ -66,17 +66,17 @@ _CACHE_LINE = 64  # bytes
 
 
 def new_workspace(lines: int) -> NDArray[np.float64]:
-    """Return a workspace of ``lines`` lines, aligned to cache lines."""
+    """Return a workspace, shape (lines, WIDTH), aligned to cache lines."""
     count, more = lines * WIDTH, _CACHE_LINE // 8
     numbers = np.zeros(count + more)
     first = -numbers.ctypes.data % _CACHE_LINE // 8
-    return numbers[first : first + count]
+    return numbers[first : first + count].reshape(lines, WIDTH)
 
 
 @inlined_kernel
 def _given_in(symbol, w, i):
-    """Return a constant of lane ``i``, of which ``symbols_of`` tells the place."""
-    return symbol if isinstance(symbol, float) else w[symbol.constant[1] * WIDTH + i]
+    """Return a constant of lane ``i``, of which ``symbols_of`` tells the line."""
+    return symbol if isinstance(symbol, float) else w[symbol.constant[1], i]
 
 
 @inlined_kernel
@@ -88,14 +88,14 @@ def constants_of_lane(lanes, w, i):
 @inlined_kernel
 def state_in_lane(w, first, i):
     """Return the ``State`` of lane ``i`` from line ``first`` on."""
-    return State(*(w[(first + n) * WIDTH + i] for n in range(STATE_SIZE)))
+    return State(*(w[first + n, i] for n in range(STATE_SIZE)))
 
 
 @inlined_kernel
 def store_state_in_lane(q, w, first, i):
     """Write a ``State`` of lane ``i`` from line ``first`` on."""
     for n, value in enumerate(q):
-        w[(first + n) * WIDTH + i] = value
+        w[first + n, i] = value
 
 
 # Numbers of the fields of ``Mode`` that vary in the alignment scene; others are as in ``START``.
@@ -110,7 +110,7 @@ VARIED = tuple(
 def mode_of_lane(lanes, w, i):
     """Return the ``Mode`` of lane ``i``; ``lanes.varied`` are the fields that differ."""
     fields: Any = tuple(
-        kind(w[(MODE_LINE + n) * WIDTH + i]) if n in lanes.varied else START[n]
+        kind(w[MODE_LINE + n, i]) if n in lanes.varied else START[n]
         for n, kind in enumerate(MODE_KINDS)
     )
     return Mode(*fields)
@@ -120,7 +120,7 @@ def mode_of_lane(lanes, w, i):
 def copy_mode(lanes, runs, i, first, w, lane):
     """Copy the mode of run ``i``, which begins at column ``first``, into a lane."""
     for n in lanes.varied:
-        w[(MODE_LINE + n) * WIDTH + lane] = runs[i, first + n]
+        w[MODE_LINE + n, lane] = runs[i, first + n]
 
 
 @inlined_kernel

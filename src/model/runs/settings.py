@@ -177,6 +177,8 @@ def settings_with(settings: Settings | None, changes: dict[str, Any]) -> Setting
     if settings is not None and not isinstance(settings, Settings):
         raise TypeError(f"settings = {settings!r}: must be a Settings")
     for name in changes:
+        if name == "engine":
+            raise ValueError("engine: leave it out: since release 2 there is one engine")
         check_name(name, [each.name for each in fields(Settings)], "setting")
     if isinstance(scene := changes.get("scene"), str):
         check_name(scene, [*SCENES], "scene")

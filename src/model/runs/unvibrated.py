@@ -74,7 +74,7 @@ def unvibrated_results(batch: Batch, settings: Settings, cores: int = 1) -> dict
 
 
 def unvibrated_words(parameters: Parameters, settings: Settings) -> str:
-    """Return the end of the unvibrated control in a line of words."""
+    """Return the end of the unvibrated control in words: "rests on the edge, tilted by 1.2°"."""
     found = unvibrated_results(Batch.stack([parameters]), settings)
     outcome, tilt, slow = (column[0] for column in found.values())
     words = UNVIBRATED_TEXT[Unvibrated(outcome)]
@@ -82,7 +82,7 @@ def unvibrated_words(parameters: Parameters, settings: Settings) -> str:
         words += f", tilted by {np.degrees(tilt):.2g}°"
     elif np.isfinite(slow):
         words += f"; pressed slowly it rests, tilted by {np.degrees(slow):.2g}°"
-    return f"without vibration: {words}"
+    return words
 
 
 @kernel

@@ -141,17 +141,6 @@ class Figure:
         aligned = (self.results["outcome"] == Outcome.ALIGNED).astype(np.int8)
         return np.where(self.results["sensitive"] == 0, aligned, np.int8(-1))
 
-    def between(self, low: float, high: float) -> list[Curve]:
-        """Return the curves with values from ``low`` to ``high``, both included.
-
-        Raises:
-            MissingDataError: there is none.
-        """
-        found = [curve for curve in self.curves if low <= curve.at <= high]
-        if not found:
-            raise MissingDataError(f"{self.name} has no curve from {low:g} to {high:g}")
-        return found
-
 
 Figures = Mapping[str, Figure]
 

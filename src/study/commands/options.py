@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from model.physics.parameters import check_name
-from study.config import FIGURES
+from study.config import Study
 
 
 def add_root(
@@ -15,12 +15,12 @@ def add_root(
     parser.add_argument("--root", type=Path, default=Path(default), metavar="DIR", help=words)
 
 
-def figure_name(text: str) -> str:
+def figure_name(text: str, study: Study) -> str:
     """Return the name of a figure, ``fig06``, given as fig06, 06 or 6.
 
     Raises:
-        ValueError: there is no such figure.
+        ValueError: the study has no such figure.
     """
     name = f"fig{int(text):02}" if text.isdecimal() else text
-    check_name(name, FIGURES, "figure")
+    check_name(name, sorted(study.figures), "figure")
     return name

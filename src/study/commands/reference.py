@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from study.commands.options import add_root, figure_name
-from study.config import COMPUTED, FIGURES
+from study.config import load_study, study_path
 from vibralign.commands.program import add_command, add_json
 from vibralign.commands.tables import print_json, table
 
@@ -55,8 +55,9 @@ def _verify(arguments: argparse.Namespace) -> int:
     root, reference = arguments.root, arguments.reference
     if not root.is_dir():
         raise ValueError(f"{root}: is no folder; build the small study first: make smoke")
-    chosen = [figure_name(text) for text in arguments.figure] or list(FIGURES)
-    computed = [name for name in chosen if name in COMPUTED]
+    study = load_study(study_path())
+    chosen = [figure_name(text, study) for text in arguments.figure] or study.computed
+    computed = [name for name in chosen if name in study.computed]
     findings = verify(root, reference, computed)
     if arguments.json:
         print_json({"findings": [asdict(each) for each in findings]})
@@ -72,11 +73,14 @@ def _verify(arguments: argparse.Namespace) -> int:
 def _accept(arguments: argparse.Namespace) -> int:
     from study.tracking.reference import accept  # noqa: PLC0415  (as in _verify)
 
+    study = load_study(study_path())
     if "all" in arguments.figure:
-        what = list(FIGURES)
+        names = sorted(study.figures)
     else:
-        what = list(dict.fromkeys(figure_name(text) for text in arguments.figure))
-    what += ["claims"] if arguments.claims else []
+        names = [figure_name(text, study) for text in arguments.figure]
+    what = {name: name in study.computed for name in names}
+    if arguments.claims:
+        what["claims"] = False
     if not what:
         raise ValueError("name what to accept: --figure N, --figure all or --claims")
     print("\n".join(accept(arguments.root, arguments.reference, what, arguments.reason)))

@@ -6,9 +6,12 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+import yaml
+
 from model.events.outcomes import Outcome
 from model.physics.parameters import check_name
 from study.commands.options import add_root, figure_name
+from study.config import load_study, study_path
 from study.tracking import TrackingError
 from study.tracking.compare import Change, Comparison, compare
 from study.tracking.history import (
@@ -21,7 +24,7 @@ from study.tracking.history import (
 )
 from study.tracking.records import Record
 from vibralign.commands.program import add_command, add_json
-from vibralign.commands.tables import cell, pairs, print_json, table
+from vibralign.commands.tables import print_json, table
 
 _OUTCOMES = tuple(
     dict.fromkeys([*RUN_STATUS, *(each.name.lower() for each in Outcome), "sensitive"])
@@ -70,7 +73,7 @@ def add(commands: Any) -> None:
 
 
 def _runs(arguments: argparse.Namespace) -> int:
-    outcome, figure = arguments.outcome, arguments.figure and figure_name(arguments.figure)
+    outcome, figure = arguments.outcome, arguments.figure and _figure(arguments.figure)
     if outcome is not None:
         check_name(outcome, _OUTCOMES, "outcome")
     if arguments.starts and figure:
@@ -91,6 +94,10 @@ def _runs(arguments: argparse.Namespace) -> int:
     print("\n".join(table([_run_line(run) for run in found], _RUN_COLUMNS)))
     print(f"{len(found)} runs")
     return 0
+
+
+def _figure(text: str) -> str:
+    return figure_name(text, load_study(study_path()))
 
 
 _RUN_COLUMNS = (
@@ -146,7 +153,7 @@ def _show(arguments: argparse.Namespace) -> int:
     runs = load_runs(arguments.root)
     if arguments.what.partition("@")[0] in {run["run"] for run in runs}:
         record = find_run(runs, arguments.what)
-        lines = _run_lines(record)
+        lines = _lines(record)
     else:
         try:
             record = find_start(load_history(arguments.root), arguments.what)
@@ -162,41 +169,15 @@ def _show(arguments: argparse.Namespace) -> int:
     return 0
 
 
-_HEAD = ("run", "status", "reason", "log", "current", "started", "wall_seconds", "start",
-         "code", "stated")  # fmt: skip
-
-
-def _run_lines(run: Record) -> list[str]:
-    head = {name: run[name] for name in _HEAD if run.get(name) not in (None, "")}
-    lines = pairs({**head, "commit": _commit_of(run)})
-    sections = {
-        "counts": run.get("counts"),
-        "parameters": run.get("parameters"),
-        "varied": {
-            axis["parameter"]: axis.get("values")
-            or f"{cell(axis['start'])} to {cell(axis['stop'])}, {axis['count']} values"
-            for axis in run.get("dimensions", [])
-        },
-        "settings": run.get("settings"),
-        "inputs": run.get("inputs"),
-        "outputs": run.get("outputs"),
-        "versions": run.get("versions"),
-    }
-    for name, values in sections.items():
-        if values:
-            lines += ["", f"{name}:", *(f"  {line}" for line in pairs(values))]
-    return lines
+def _lines(record: Record) -> list[str]:
+    """Return all of a record as YAML, without what it has no value for."""
+    stated = {name: value for name, value in record.items() if value not in (None, "", {}, [])}
+    return yaml.safe_dump(stated, sort_keys=False, allow_unicode=True, width=100).splitlines()
 
 
 def _start_lines(record: Record) -> list[str]:
-    head = ("start", "outcome", "reason", "started", "ended", "wall_seconds", "host",
-            "snakemake_log")  # fmt: skip
-    values = {name: record[name] for name in head if record.get(name) is not None}
-    command = " ".join(record["command"])
-    lines = pairs({**values, "command": command, "commit": _commit_of(record)})
-    for failure in record["failures"]:
-        lines += ["", f"{failure['run']} {failure['status']}: {failure['reason']}"]
-        lines += [f"  {failure['log']}"]
+    """Return the record of a start; of its runs a line each."""
+    lines = _lines({name: record[name] for name in record if name not in ("runs", "study")})
     lines += ["", f"{len(record['runs'])} runs done"]
     columns = ("run", "seconds", "trajectories", "aligned", "sensitive")
     rows = [_run_line({**run, "status": "done", "current": True}) for run in record["runs"]]
@@ -216,11 +197,10 @@ def _diff_lines(found: Comparison, listed: int | None) -> list[str]:
     """Return a comparison in words, at most ``listed`` lines a section."""
     lines = [f"A: {found.first}", f"B: {found.second}"]
     columns = ("where", "name", "before", "after")
-    sections = {"parameters": found.parameters, "metrics": found.metrics, "code": found.code}
-    if found.claims is not None:
-        sections["claims"] = found.claims
-    for title, differences in sections.items():
-        lines += _section(title, [asdict(each) for each in differences], columns, listed)
+    for title in ("parameters", "metrics", "code", "claims"):
+        differences = getattr(found, title)
+        if differences is not None:
+            lines += _section(title, [asdict(each) for each in differences], columns, listed)
     data = ("figure", "variable", "points", "differing", "largest", "at", "A", "B", "gaps")
     lines += _section("data", [_change(each) for each in found.data], data, listed)
     if found.other_data:

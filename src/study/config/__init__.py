@@ -1,17 +1,7 @@
 """The study as data: the files in config/, checked before anything is computed."""
 
 from study.config.base import ConfigError
-from study.config.figures import (
-    COMPUTED,
-    CURVES,
-    FIGURES,
-    GRIDDED,
-    HISTORIES,
-    MAPS,
-    SCHEMATICS,
-    Curves,
-    Map,
-)
+from study.config.figures import Curves, Map
 from study.config.load import (
     check_files,
     check_study,
@@ -23,7 +13,6 @@ from study.config.load import (
 from study.config.study import Study
 
 __all__ = [
-    "COMPUTED", "CURVES", "FIGURES", "GRIDDED", "HISTORIES", "MAPS", "SCHEMATICS", "ConfigError",
-    "Curves", "Map", "Study", "check_files", "check_study", "load_study", "read_study",
-    "study_files", "study_path",
+    "ConfigError", "Curves", "Map", "Study", "check_files", "check_study", "load_study",
+    "read_study", "study_files", "study_path",
 ]  # fmt: skip

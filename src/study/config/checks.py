@@ -2,18 +2,21 @@
 
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from pathlib import Path
 
 from model.physics.parameters import FIELDS, REQUIRED_NAMES, Batch, Parameters, check_name
 from model.sweeps.axes import Axis, Family, check_plane
-from study.config.figures import COMPUTED, KIND, Curves, Map
+from study.config.figures import Curves, Map
 from study.config.study import Study
+
+_DRAWINGS = Path(__file__).resolve().parents[1] / "schematics"
 
 
 def faults_of(study: Study) -> list[str]:
     """Return a line for every fault that only the whole study shows: path, value and rule."""
     faults = [*_values(study)]
     if not faults:
-        for check in (_ranges, _figures, _planes, _jamming, _cases):
+        for check in (_ranges, _figures, _searched, _planes, _jamming, _cases, _others):
             check(study, faults)
     return faults
 
@@ -77,8 +80,10 @@ def _ranges(study: Study, faults: list[str]) -> None:
 def _figures(study: Study, faults: list[str]) -> None:
     for name, figure in study.figures.items():
         place = f"figures.{name}"
-        if figure.kind != KIND[name]:
-            faults.append(f"{place}.kind = {figure.kind!r}: must be {KIND[name]!r}")
+        if figure.kind == "schematic" and not (_DRAWINGS / f"{name}.py").is_file():
+            faults.append(
+                f"{place}.kind = 'schematic': needs its drawing, study/schematics/{name}.py"
+            )
         varied: dict[str, Axis | Family] = {}
         if isinstance(figure, Curves):
             varied = {"swept": figure.swept, "family": figure.family}
@@ -111,10 +116,16 @@ def _jamming(study: Study, faults: list[str]) -> None:
             _vary(study.baseline.replace(**spec.held), part)
 
 
+def _searched(study: Study, faults: list[str]) -> None:
+    for name in study.identification.operating_points:
+        with _noted("identification.operating_points", faults):
+            check_name(name, study.computed, "figure")
+
+
 def _cases(study: Study, faults: list[str]) -> None:
     for name, case in study.precision.cases.items():
         with _noted(f"precision.cases.{name}", faults):
-            check_name(case.figure, COMPUTED, "figure")
+            check_name(case.figure, study.computed, "figure")
             study.case(name)
     for name, hard in study.precision.hard.all_cases.items():
         with _noted(f"precision.hard.cases.{name}.at", faults):
@@ -124,3 +135,17 @@ def _cases(study: Study, faults: list[str]) -> None:
         for name in getattr(hard_cases, part):
             with _noted(f"precision.hard.{part}", faults):
                 check_name(name, list(hard_cases.all_cases), "hard case")
+
+
+def _others(study: Study, faults: list[str]) -> None:
+    """Check the devices of searches: each states all unknowns."""
+    spec = study.identification
+    points = spec.operating_points.items()
+    unknowns = {*spec.structure} | {f"{figure}.{name}" for figure, of in points for name in of}
+    for name, values in study.evidence.others.items():
+        place = f"evidence.others.{name}"
+        with _noted(place, faults):
+            check_name(name, list(spec.searches), "search")
+        for each in sorted(unknowns ^ values.keys()):
+            missing = "missing" if each in unknowns else "no unknown of the searches"
+            faults.append(f"{place}.{each}: {missing}")

@@ -1,4 +1,4 @@
-"""What the verdicts are worth: random devices, other assumptions, other devices."""
+"""Evidence beside the verdicts: random devices, other assumptions, other devices."""
 
 from typing import Any
 

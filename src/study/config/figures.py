@@ -1,24 +1,16 @@
 """Figures of the paper and further maps: titles, parameters held and parameters varied.
 
-A new figure is added to a tuple below, and under ``figures`` in config/config.yaml.
+A figure is known by what config/config.yaml states of it under ``figures``: its name and its kind.
 """
 
 from typing import Annotated, Literal
 
-from pydantic import Discriminator, Field, model_validator
+from pydantic import Discriminator, Field
 
 from model.physics.parameters import Shape
 from model.sweeps.axes import Axis, Family, Strict
 from model.sweeps.settings import Ensemble
 from study.config.base import ParameterValues, Text
-
-SCHEMATICS = ("fig01", "fig02", "fig03", "fig04")
-HISTORIES = ("fig05",)
-CURVES = ("fig06", "fig07", "fig08", "fig09", "fig10", "fig11", "fig12")
-MAPS = ("fig13", "fig14")
-FIGURES = tuple(sorted(SCHEMATICS + HISTORIES + CURVES + MAPS))
-GRIDDED = CURVES + MAPS
-COMPUTED = HISTORIES + GRIDDED
 
 
 class FigureBase(Strict):
@@ -80,12 +72,7 @@ class Map(Plane):
 
 
 FigureSpec = Annotated[Schematic | History | Curves | Map, Discriminator("kind")]
-KIND = (
-    dict.fromkeys(SCHEMATICS, "schematic")
-    | dict.fromkeys(HISTORIES, "history")
-    | dict.fromkeys(CURVES, "curves")
-    | dict.fromkeys(MAPS, "map")
-)
+KINDS = ("schematic", "history", "curves", "map")
 
 
 class Maps(Strict):
@@ -95,9 +82,3 @@ class Maps(Strict):
     """Initial conditions of the test for reliable alignment."""
     planes: dict[str, Plane]
     """Maps that are not in the paper, by name."""
-
-    @model_validator(mode="after")
-    def _names_are_new(self) -> "Maps":
-        for name in set(self.planes) & set(FIGURES):
-            raise ValueError(f"planes.{name}: is the name of a figure")
-        return self

@@ -1,7 +1,5 @@
 """The search for the parameters that the paper leaves unstated: priors, limits, grids, effort."""
 
-from typing import Literal
-
 from pydantic import Field
 
 from model.sweeps.axes import Strict, Tolerance
@@ -50,7 +48,7 @@ class Problem(Strict):
     limits: Limits
     """Limits of the regime."""
     grids: dict[str, Grid]
-    """Grids by name: "coarse" and "fine", besides the study's own, "own"."""
+    """Grids by name: "rough", "coarse" and "fine"."""
 
 
 class Effort(Strict):
@@ -62,14 +60,14 @@ class Effort(Strict):
     """Half-widths to which it keeps."""
     limited: bool
     """Keep the limits of the regime."""
-    start: Literal["simultaneous", "pressed"]
-    """How press and vibration set in."""
     drawn: int = Field(ge=2)
     """Structures drawn from the priors."""
     moved: int = Field(ge=0)
     """Structures made from the best ones."""
     refined: int = Field(ge=0)
-    """Steps on finer grids from the best one."""
+    """Steps from the best one on the fine grid."""
+    entries: list[str] | None = None
+    """Entries of the ledger by which it judges, the others held out; all without it."""
 
 
 class Identification(Problem):

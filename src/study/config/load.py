@@ -13,7 +13,7 @@ from pydantic import BaseModel, ValidationError
 from model.sweeps.files import parse_yaml, read_text
 from study.config.base import ConfigError
 from study.config.checks import faults_of
-from study.config.figures import KIND
+from study.config.figures import KINDS
 from study.config.study import Study
 
 
@@ -43,7 +43,7 @@ def _tag(model: Any) -> str | None:
 
 def _line(error: Mapping[str, Any]) -> str:
     """Return a line for an error of pydantic: path, value, rule; nearest key for an unknown one."""
-    names = {str(part) for part in error["loc"]} & set(KIND.values())
+    names = {str(part) for part in error["loc"]} & set(KINDS)
     place = [str(each) for each in error["loc"] if str(each) not in names and "[" not in str(each)]
     path = ".".join(place) or "(top level)"
     if error["type"] == "extra_forbidden":

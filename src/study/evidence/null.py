@@ -1,8 +1,7 @@
-"""What random devices show of the list: their verdicts are stored beside this module.
+"""Verdicts of random devices, which are stored beside this module.
 
 Nobody searched for these devices. Drawing and judging them takes minutes, so that it is done once
-for priors, list and grid, by ``make null``; the key of the three stands in the file. Other physics
-show when some of the devices are judged anew, which every build does.
+for priors, list, physics and grid, by ``make null``; the key of these four stands in the file.
 """
 
 import ast
@@ -14,7 +13,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from model.compile.outline import outline
+from model.events import event_functions, friction, steady_state, table, transitions
+from model.physics import contacts, forces, geometry, modes, motion, rest
 from model.sweeps.axes import Plan
 from model.sweeps.sweep import Sweep
 from study.claims import checks, data, locked, measures
@@ -24,6 +24,7 @@ from study.claims.ledger import VERDICTS, judge
 from study.config.identification import Grid
 from study.identification.batch import figures_of
 from study.identification.space import Space, space_of
+from study.outline import outline
 
 if TYPE_CHECKING:
     from study.config.study import Study
@@ -33,12 +34,15 @@ FILE = Path(__file__).with_name("null.csv")
 SHOWN = VERDICTS.index("shown")
 _SIGNS = "+-?"  # of the verdicts, in their order
 _PART = 10  # devices that are run together
-_AGAIN, _BY_ROUNDING = 4, 0.05  # devices that are judged anew, and the share that may differ
+_PHYSICS = (
+    geometry, contacts, forces, modes, motion, rest,
+    event_functions, friction, steady_state, table, transitions,
+)  # fmt: skip
 _MEND = "draw the random devices anew: make null"
 
 
 class NullError(ValueError):
-    """The stored verdicts are missing, or of other priors, another list or grid."""
+    """The stored verdicts are missing, or of other priors, another list, physics or grid."""
 
 
 class Null(NamedTuple):
@@ -81,7 +85,7 @@ class NullPlan(Plan):
 
     @property
     def key(self) -> str:
-        """Hash of priors, list and grid; the physics are checked by judging some devices anew."""
+        """Hash of priors, list, physics and grid, the same under every version of Python."""
         middle = self.space.values(np.full(len(self.space.names), 0.5))
         axes = [
             (name, each.parameter, each.values)
@@ -101,8 +105,9 @@ class NullPlan(Plan):
 
 
 def _code() -> list[str]:
-    """Return what the checks say, without comments, docstrings or layout."""
-    files = [Path(str(each.__file__)) for each in (checks, data, locked, measures)]
+    """Return what checks and equations say, without comments, docstrings or layout."""
+    modules = (checks, data, locked, measures, *_PHYSICS)
+    files = [Path(str(each.__file__)) for each in modules]
     trees = (ast.parse(file.read_text(encoding="utf-8")) for file in files)
     return [repr(outline(tree, [])) for tree in trees]
 
@@ -134,21 +139,6 @@ def verdicts_of(
     return np.array(rows, dtype=np.int8)
 
 
-def check_physics(plan: NullPlan, null: Null) -> None:
-    """Judge the first devices anew.
-
-    Raises:
-        NullError: more verdicts than rounding turns differ from those stored.
-    """
-    again = verdicts_of(plan.space, plan.devices[:_AGAIN], plan.grid)
-    differ = float((again != null.verdicts[:_AGAIN]).mean())
-    if differ > _BY_ROUNDING:
-        raise NullError(
-            f"{FILE.name}: {differ:.0%} of the verdicts on its first devices are others now: it is "
-            f"of other physics; {_MEND}"
-        )
-
-
 def null_text(plan: NullPlan) -> str:
     """Draw and judge the devices; return the file: the key, and a line of signs by entry."""
     verdicts = verdicts_of(plan.space, plan.devices, plan.grid)
@@ -168,12 +158,10 @@ def stored_null(plan: NullPlan, file: Path = FILE) -> Null:
     try:
         lines = file.read_text(encoding="utf-8").splitlines()
         rows = dict(line.split(",") for line in lines)
-        key, found = (
-            rows.pop("key"),
-            {name: [_SIGNS.index(s) for s in r] for name, r in rows.items()},
-        )
+        key = rows.pop("key")
+        found = {name: [_SIGNS.index(sign) for sign in row] for name, row in rows.items()}
     except (OSError, KeyError, ValueError) as error:
         raise NullError(f"{file}: holds no verdicts of random devices ({error}); {_MEND}") from None
     if key != plan.key or [*found] != [claim.id for claim in CLAIMS]:
-        raise NullError(f"{file.name}: is of other priors, another list or grid; {_MEND}")
+        raise NullError(f"{file.name}: is of other priors, another list, physics or grid; {_MEND}")
     return Null(np.array([*found.values()], dtype=np.int8).T)

@@ -5,7 +5,7 @@ several, and those are chosen together that show most; most entries read one fig
 are drawn from the priors; the best are moved and mixed on a coarse grid, and refined on a fine one.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -34,7 +34,6 @@ _MOVES = (0.01, 0.04, 0.12)  # by which structures are
 _BEST = 8  # sets from which others are made
 _FIRST = 3  # of these are judged on the fine grid
 _RESERVE = 1.05  # of the limits there: less may be kept on another grid
-_DEAR = (1.0, 4.0)  # what limits cost there, first and later, over what they cost before
 
 
 @dataclass(frozen=True)
@@ -44,7 +43,7 @@ class Found:
     Attributes:
         point: coordinates of all unknowns, shape (n,).
         score: entries shown, and parts of others, less what limits are missed by.
-        shown: the entries shown.
+        shown: the entries shown, held out or not.
         regimes: of the figures, by name.
     """
 
@@ -57,7 +56,7 @@ class Found:
 class Choice:
     """A structure with several operating points of each figure, of which the best are chosen.
 
-    It is judged by the entries that read its figures only, and by the regime of these.
+    It is judged by those of ``entries`` that read its figures only, and by the regime of these.
     """
 
     def __init__(
@@ -67,10 +66,11 @@ class Choice:
         structure: Array,
         points: Mapping[str, Array],
         grid: Grid,
-        strict: tuple[float, float] = (1.0, 1.0),
+        reserve: float = 1.0,
+        entries: Collection[str] | None = None,
     ) -> None:
         self.space, self.limits, self.structure, self.points = space, limits, structure, points
-        self.reserve, self.dear = strict  # factors of values, and of what limits cost
+        self.reserve = reserve  # factor of values that have a limit
         found = iter(figures_of([[sweep] for sweep in self._sweeps(grid)]))
         self.figures: Mapping[str, list[Figure]] = {
             name: [next(found)[name] for _ in tried] for name, tried in points.items()
@@ -78,6 +78,7 @@ class Choice:
         self.regimes = {n: [regime_of(each) for each in made] for n, made in self.figures.items()}
         self._worths: dict[tuple[str, tuple[int, ...]], float] = {}
         self.claims = [claim for claim in CLAIMS if {*claim.figures} <= {*points}]
+        self.judges = [each for each in self.claims if entries is None or each.id in entries]
 
     def _sweeps(self, grid: Grid) -> Iterator[Sweep]:
         for name, tried in self.points.items():
@@ -103,11 +104,11 @@ class Choice:
 
     @cached_property
     def _alone(self) -> Mapping[str, NDArray[np.float64]]:
-        """What each operating point of a figure is worth by itself, shape (points,)."""
+        """Worth of each operating point of a figure by itself, shape (points,)."""
         return {
             name: np.array([
-                sum(self._worth(c, {name: row}) for c in self.claims if c.figures == (name,))
-                - self.dear * missed(self.limits, name, regime, self.reserve)
+                sum(self._worth(c, {name: row}) for c in self.judges if c.figures == (name,))
+                - missed(self.limits, name, regime, self.reserve)
                 for row, regime in enumerate(regimes)
             ])
             for name, regimes in self.regimes.items()
@@ -119,8 +120,8 @@ class Choice:
         if self.limits:
             rests = [_known(self.regimes[n][row].not_resting, 1.0) for n, row in picked.items()]
             mean = self.reserve * float(np.mean(rests))
-            total -= self.dear * _cost(mean, self.limits.not_resting)
-        return total + sum(self._worth(c, picked) for c in self.claims if len(c.figures) > 1)
+            total -= _cost(mean, self.limits.not_resting)
+        return total + sum(self._worth(c, picked) for c in self.judges if len(c.figures) > 1)
 
     def best(self, random: Generator) -> Found:
         """Return the best choice: from several starts, one figure at a time."""
@@ -180,21 +181,25 @@ def search(space: Space, effort: Effort) -> Found:
     """Return the set at which a search from nothing ends, judged on the fine grid.
 
     It is the same for the same seed.
+
+    Raises:
+        ValueError: it is to judge by an entry that there is not.
     """
+    if absent := {*(effort.entries or ())} - {claim.id for claim in CLAIMS}:
+        raise ValueError(f"entries: the ledger has no {', '.join(sorted(absent))}; see claims.yaml")
     random, where = np.random.default_rng(effort.seed), space.places["structure"]
     limits = space.problem.limits if effort.limited else None
-    settings = space.settings.model_copy(update={"start": effort.start})
-    space = space.model_copy(update={"settings": settings})
     low, high = space.half_widths(effort.half_width)
 
-    def judged(structure: Array, parents: Sequence[Found], grid: str, dear: float = 1.0) -> Found:
+    def judged(structure: Array, parents: Sequence[Found], grid: str) -> Found:
         structure = np.clip(structure, 0.0, 1.0)
         structure[0] = np.clip(structure[0], low, high)
         known = np.array([each.point for each in parents]).reshape(-1, len(space.names))
         on = space.problem.grids[grid]
         points = {n: _drawn(known[:, space.places[n]], _POINTS[grid], random) for n in on.counts}
         reserve = _RESERVE if grid == "fine" else 1.0
-        return Choice(space, limits, structure, points, on, (reserve, dear)).best(random)
+        choice = Choice(space, limits, structure, points, on, reserve, effort.entries)
+        return choice.best(random)
 
     drawn = qmc.LatinHypercube(where.stop, rng=random).random(effort.drawn)
     drawn[:, 0] = low + (high - low) * drawn[:, 0]
@@ -203,15 +208,14 @@ def search(space: Space, effort: Effort) -> Found:
     for _ in range(effort.moved):
         structure, parents = _moved(_best(found, where), where, random)
         found.append(judged(structure, parents, "coarse"))
-    for stage, dear in enumerate(_DEAR, 1):
-        found, random = _best(found, where), np.random.default_rng([effort.seed, stage])
-        tried = [judged(each.point[where], [each, *found], "fine", dear) for each in found[:_FIRST]]
-        for number in range(effort.refined):
-            best = _best(tried, where)[0]
-            step = (number % 2) * random.choice(_MOVES) * random.normal(size=where.stop)
-            tried.append(judged(best.point[where] + step, [best, *found], "fine", dear))
-        found = tried
-    return _best(found, where)[0]
+    # Draws of its own, so that its steps do not depend on the number of draws before.
+    found, random = _best(found, where), np.random.default_rng([effort.seed, 1])
+    tried = [judged(each.point[where], [each, *found], "fine") for each in found[:_FIRST]]
+    for number in range(effort.refined):
+        best = _best(tried, where)[0]
+        step = (number % 2) * random.choice(_MOVES) * random.normal(size=where.stop)
+        tried.append(judged(best.point[where] + step, [best, *found], "fine"))
+    return _best(tried, where)[0]
 
 
 def _best(found: Sequence[Found], where: slice) -> list[Found]:

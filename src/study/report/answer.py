@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 from study.claims import CLAIMS, figure_of
 from study.claims.ledger import Line, read_ledger
 from study.claims.regime import Regime, regime_of
-from study.config.figures import MAPS
 from study.report.figures import HEAD, Counts, article, counts_of
-from study.report.ledger import SIGNS, conclusions, count
+from study.report.ledger import SIGNS, conclusions, count, held_out
 from study.report.section import Results, Section, Table, link
 from vibralign.plots.words import figure_number, figure_title, percent, short
 
@@ -39,7 +38,7 @@ def section(results: Results) -> Section:
     counts = counts_of(results)
     regimes = {name: regime_of(figure_of(each.dataset)) for name, each in counts.items()}
     lines = read_ledger(results.file("claims.csv"))
-    reliable = {name: _reliable(results, counts[name]) for name in MAPS}
+    reliable = {name: _reliable(results, counts[name]) for name in results.study.named("map")}
     goes_in = {name: each.share_of("insertion", "inserted") for name, each in counts.items()}
     of = conclusions(lines)
     findings = [
@@ -55,6 +54,7 @@ def section(results: Results) -> Section:
     ranked = _ranked(lines)
     content = {
         "findings": findings,
+        "held_out": held_out(results),
         "alike": ranked[:_SHOWN],
         "unlike": ranked[-_SHOWN:],
         "figures": Table(

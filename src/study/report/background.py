@@ -9,7 +9,6 @@ from model.engine.series_layout import METHOD
 from model.physics.parameters import FIELDS, OF_PAPER
 from model.physics.variants import VARIANT_NAMES
 from model.runs.settings import Settings
-from study.config.figures import COMPUTED
 from study.report.section import Results, Section, Table, link, symbol, value_of, values_of
 from study.tracking.checkout import versions
 from study.tracking.records import file_hash
@@ -43,8 +42,8 @@ def section(results: Results) -> Section:
         f"{number(settings.tolerance)} by the method {METHOD}."
     )
     made = (
-        "When, where and at which commit each file was made: runs.csv and history/ beside this "
-        "page, and python -m study runs."
+        "When, where and at which commit each file was made: python -m study runs, "
+        "from history/ beside this page."
     )
     packages = [(name, _CODE.format(version)) for name, version in versions().items()]
     # The hashes do not depend on date, machine or checkout.
@@ -70,9 +69,9 @@ def section(results: Results) -> Section:
 def _device(results: Results) -> tuple[Table, Table]:
     """Return two tables of parameters: the device, and what each figure varies or holds."""
     study = results.study
-    datasets = {name: results.dataset(f"data/{name}.nc") for name in COMPUTED}
+    datasets = {name: results.dataset(f"data/{name}.nc") for name in study.computed}
     varied = {name: {*map(str, each["outcome"].dims)} for name, each in datasets.items()}
-    held = (study.figures[name].held for name in COMPUTED)
+    held = (study.figures[name].held for name in study.computed)
     own = {*study.operating_point}.union(*varied.values(), *held)
     columns = [name for name in OF_PAPER if name in own]
     device = [

@@ -8,7 +8,6 @@ from markupsafe import Markup
 
 from model.events.outcomes import OUTCOME_TEXT, Outcome, Reason
 from model.physics.parameters import FIELDS
-from study.config.figures import COMPUTED, MAPS, SCHEMATICS
 from study.report.section import (
     Results,
     Section,
@@ -20,7 +19,7 @@ from study.report.section import (
 from vibralign.plots.style import Bools, Floats, flagged
 from vibralign.plots.words import figure_title, power, short
 
-HEAD = MAPS[-1]  # the figure at the head of the page, also in README
+HEAD = "fig14"  # the figure at the head of the page, also in README
 _CODE = Markup("<code>{}</code>")
 
 
@@ -60,7 +59,7 @@ class Counts:
 
 def counts_of(results: Results) -> dict[str, Counts]:
     """Return the counts of every computed figure."""
-    return {name: Counts(results.dataset(f"data/{name}.nc")) for name in COMPUTED}
+    return {name: Counts(results.dataset(f"data/{name}.nc")) for name in results.study.computed}
 
 
 def section(results: Results) -> Section:
@@ -134,13 +133,13 @@ def article(results: Results, name: str) -> dict[str, object]:
         "held": "",
         "varied": "",
     }
-    if name in SCHEMATICS:
+    if name in study.named("schematic"):
         return content
     dataset = results.dataset(f"data/{name}.nc")
     varied = [str(each) for each in reversed(dataset["outcome"].dims)]
     held = ({*study.operating_point} | {*spec.held}) - {*varied}
     page = f"explorer.html#figure={name}"
-    live = (("open this live", page),) if results.live and name in COMPUTED else ()
+    live = (("open this live", page),) if results.live and name in study.computed else ()
     return {
         **content,
         "files": (*live, ("dataset (netCDF)", f"data/{name}.nc")),

@@ -12,7 +12,6 @@ from model.sweeps.vibration import overshoot_of
 from study import jamming_plot
 from study.claims import figure_of
 from study.claims.regime import regime_of
-from study.config.figures import COMPUTED
 from study.jamming import entered, in_jamming_diagram, jammed, wedging_side
 from study.report.section import Results, Section, Table, settings_of
 from vibralign.plots.words import figure_title, percent
@@ -29,7 +28,7 @@ _FOLDER = Path(__file__).parent
 
 def vibration(results: Results) -> Section:
     """Return the section on vibration, which compares runs with their unvibrated controls."""
-    own = {name: results.dataset(f"data/{name}.nc") for name in COMPUTED}
+    own = {name: results.dataset(f"data/{name}.nc") for name in results.study.computed}
     shares = Table(
         ("figure", ">aligned", ">also unvibrated", ">of these by overshoot", ">do not rest",
          ">tilt, median", ">largest", ">corners inside"),

@@ -1,6 +1,6 @@
 """Section on the ledger: what the paper says, judged, beside what other devices show."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -10,8 +10,8 @@ from study.claims import CLAIMS, VERDICTS, tally
 from study.claims.ledger import Line, read_ledger
 from study.evidence.cases import KINDS
 from study.evidence.null import SHOWN
-from study.report.section import Results, Section, Table, link
-from vibralign.plots.words import figure_title, percent
+from study.report.section import Results, Section, Table, link, subscripts
+from vibralign.plots.words import figure_title, number, percent
 
 SIGNS: Mapping[str, str] = dict(zip(VERDICTS, ("✓", "✗", "–"), strict=True))
 _CLAIM = {claim.id: claim for claim in CLAIMS}
@@ -22,7 +22,8 @@ def section(results: Results) -> Section:
     lines, cases = read_ledger(results.file("claims.csv")), results.dataset("data/cases.nc")
     content = {
         "tally": tally([line.verdict for line in lines]),
-        "beside": _beside(lines, cases),
+        "beside": _beside(lines, cases, _halves(results)),
+        "until": number(results.study.evidence.grid.horizon),
         "counts": _counts(cases),
         "assumptions": _assumptions(cases),
         "entries": [(line, _parts(line), _sources(line)) for line in lines],
@@ -32,6 +33,27 @@ def section(results: Results) -> Section:
     }
     template = Path(__file__).with_suffix(".html.j2")
     return Section("claims", "What the paper says, judged", template, content)
+
+
+def _halves(results: Results) -> dict[str, list[str]]:
+    """Return the searches that judge by a part of the entries, each with this part."""
+    searches = results.study.identification.searches
+    return {name: each.entries for name, each in searches.items() if each.entries is not None}
+
+
+def held_out(results: Results) -> str:
+    """Return how many entries are shown by devices whose search had not seen them, "" for none."""
+    cases, halves = results.dataset("data/cases.nc"), _halves(results)
+    titles, entries = cases["case"].values.tolist(), cases["entry"].values.tolist()
+    unseen = [
+        (titles.index(name), entries.index(entry))
+        for name, seen in halves.items() if name in titles
+        for entry in entries if entry not in seen
+    ]  # fmt: skip
+    if not unseen:
+        return ""
+    shown = sum(int(cases["verdict"].values[place] == SHOWN) for place in unseen)
+    return f"{shown} of {len(unseen)}"
 
 
 def conclusions(lines: list[Line]) -> list[Line]:
@@ -73,22 +95,28 @@ def _shared() -> Table:
     return Table(("limit", "must be", "since"), rows)
 
 
-def _beside(lines: list[Line], cases: xr.Dataset) -> Table:
+def _beside(lines: list[Line], cases: xr.Dataset, without: Collection[str]) -> Table:
     """List by entry the verdict of the figures, and those of cases on the grid of random devices.
 
-    The last two rows count entries, and those of conclusions.
+    These are the device and those of other searches but some, under both starts. The last two rows
+    count entries, and those of conclusions.
     """
-    kinds = cases["kind"].values
-    chosen = [
-        row
-        for row, (kind, title) in enumerate(zip(kinds, cases["case"].values, strict=True))
-        if KINDS[kind] in ("device", "other") or str(title).startswith("first the press")
-    ]
+    heads = {}
+    for row, title in enumerate(cases["case"].values.tolist()):
+        name, _, start = title.partition(", ")
+        kind = KINDS[cases["kind"].values[row]]
+        if kind == "device":
+            heads[row] = "ours"
+        elif kind == "assumption" and name == "first the press":
+            heads[row] = "ours,\npressed first"
+        elif kind == "other" and name not in without:
+            heads[row] = f"{name},\n{start}" if start else name
+    chosen = [*heads]
     verdicts = cases["verdict"].values[chosen]
     rows: list[tuple[object, ...]] = [
         (
             link(line.claim, f"#claim-{line.claim}"),
-            line.says,
+            subscripts(line.says),
             SIGNS[line.verdict],
             *(SIGNS[VERDICTS[verdict]] for verdict in column),
             percent(line.random),
@@ -100,8 +128,8 @@ def _beside(lines: list[Line], cases: xr.Dataset) -> Table:
         own = count([line for line, keep in zip(lines, kept, strict=True) if keep])
         shown = (verdicts[:, kept] == SHOWN).sum(axis=1).tolist()
         rows.append(("", f"{words} ({int(kept.sum())})", own, *shown, ""))
-    heads = [f">{cases['case'].values[row]}" for row in chosen]
-    return Table(("entry", "the paper says", ">our figures", *heads, ">random"), rows)
+    columns = (f">{head}" for head in heads.values())
+    return Table(("entry", "the paper says", ">our figures", *columns, ">random"), rows)
 
 
 def _counts(cases: xr.Dataset) -> Table:

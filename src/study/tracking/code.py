@@ -13,10 +13,10 @@ from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 
-from model.compile import outline as outlined
 from model.compile.cache import cache_folder
-from model.compile.outline import outline
 from model.sweeps.files import write_text
+from study import outline as outlined
+from study.outline import outline
 
 _SOURCES = Path(__file__).resolve().parents[2]
 _PACKAGES = ("model", "vibralign", "study")  # in the folder of the sources

@@ -192,20 +192,19 @@ def compare(first: Path, second: Path) -> Comparison:
     found = Comparison(str(first), str(second))
     runs, other_runs = _runs(first), _runs(second)
     files, other_files = _files(first, runs), _files(second, other_runs)
-    code: list[Difference] = []
     for name in _common(runs, other_runs, found) if runs and other_runs else ():
         before, after = runs[name], other_runs[name]
         where = after["figure"] or name
         found.parameters.extend(_differences(where, _stated(before), _stated(after)))
         found.metrics.extend(_differences(where, before.get("counts", {}), after.get("counts", {})))
-        code.extend(_differences(name, _code(before), _code(after)))
         found.other_data.extend(
             f"{name}: {table}"
             for table, sha256 in after["outputs"].items()
             if table.endswith(".csv") and table != CLAIMS and not table.startswith("../")  # times
             and before["outputs"].get(table, sha256) != sha256
         )  # fmt: skip
-    found.code.extend(_by_file(code))
+    if runs and other_runs:
+        found.code.extend(_differences("code", _code(runs), _code(other_runs)))
     for name in _common(files, other_files, found):
         if name != CLAIMS:
             _compare_data(name, files[name], other_files[name], found)
@@ -224,10 +223,9 @@ def _runs(folder: Path) -> dict[str, Record]:
 
 
 def _files(folder: Path, runs: Mapping[str, Record]) -> dict[str, Path]:
-    """Return datasets and verdicts by path: "fig06.nc", "claims/rubbing.nc", "claims.csv"."""
+    """Return datasets and verdicts by path: "fig06.nc", "claims.csv"."""
     data = folder / "data" if (folder / "data").is_dir() else folder
-    paths = [*data.glob("*.nc"), *data.glob("claims/*.nc")]
-    found = {path.relative_to(data).as_posix(): path for path in paths}
+    found = {path.name: path for path in data.glob("*.nc")}
     if (folder / CLAIMS).is_file():
         found[CLAIMS] = folder / CLAIMS
     if not found and not runs:
@@ -259,18 +257,13 @@ def _stated(run: Record) -> dict[str, Any]:
     return {**run.get("parameters", {}), **settings, **axes}
 
 
-def _code(run: Record) -> dict[str, Any]:
-    """Return hashes of the source files and versions of the packages that a run used."""
-    return {**run["sources"], **run["versions"]}
-
-
-def _by_file(found: list[Difference]) -> Iterator[Difference]:
-    """Yield one difference a file or package; many runs may share it."""
-    runs: dict[Difference, list[str]] = {}
-    for each in found:
-        runs.setdefault(replace(each, where=""), []).append(each.where)
-    for each, where in runs.items():
-        yield replace(each, where=where[0] if len(where) == 1 else f"{len(where)} runs")
+def _code(runs: Mapping[str, Record]) -> dict[str, Any]:
+    """Return hashes of the source files and versions of the packages that runs used."""
+    return {
+        name: used
+        for run in runs.values()
+        for name, used in {**run["sources"], **run["versions"]}.items()
+    }
 
 
 def _are_judged(folder: Path, runs: Mapping[str, Record], found: Comparison) -> bool:

@@ -2,7 +2,6 @@
 
     *.run.json            record of a run, beside its outputs (records.py)
     history/NUMBER.json   record of a start, with a copy of the records of its runs
-    runs.csv              index of all runs, made from the files above
 
 Starts are numbered in their order, whatever the clock says. Only Snakemake's main process writes
 the history, under the lock of the results root.
@@ -13,24 +12,14 @@ from collections.abc import Mapping, Sequence
 from datetime import datetime
 from operator import itemgetter
 from pathlib import Path
-from typing import Any
 
-from model.sweeps.files import write_json, write_text
-from study.csv_tables import csv_text
+from model.sweeps.files import write_json
 from study.tracking import TrackingError
 from study.tracking.locks import is_running
 from study.tracking.records import Record, iso, named, read_record, records
 from study.tracking.slurm import slurm_reasons
 
 RUN_STATUS = ("done", "failed", "interrupted")
-_COUNTS = (
-    "trajectories", "aligned", "settled", "left_scene", "horizon_reached", "failed", "sensitive",
-    "rhs_evaluations",
-)  # fmt: skip
-COLUMNS = (
-    "run", "rule", "figure", "status", "current", "start", "started", "wall_seconds", "commit",
-    "dirty", "code", "stated", *(f"runs_{name}" for name in _COUNTS), "host", "reason",
-)  # fmt: skip
 _OF_START = {"start", "outcome", "started"}
 _FULL = 1_000_000  # bytes: a disk with less free space counts as full
 _order = itemgetter("start", "started", "run")
@@ -197,14 +186,3 @@ def has_outcome(run: Record, outcome: str) -> bool:
     """Return whether a run or start ended so, or one of a run's trajectories did."""
     ended = run.get("status", run.get("outcome"))
     return bool(ended == outcome or run.get("counts", {}).get(outcome, 0))
-
-
-def write_index(root: Path) -> None:
-    """Write the index of all runs, runs.csv."""
-
-    def row(run: Record) -> dict[str, Any]:
-        counts = {f"runs_{name}": number for name, number in run.get("counts", {}).items()}
-        flat = {**run, **run.get("git", {}), **counts, "current": int(run["current"])}
-        return {column: flat.get(column) for column in COLUMNS}
-
-    write_text(csv_text(COLUMNS, map(row, load_runs(root))), root / "runs.csv")

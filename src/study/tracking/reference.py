@@ -6,8 +6,8 @@ states its reason and its size.
 """
 
 import shutil
-from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,13 +20,11 @@ from model.engine.tolerances import Compared
 from model.events.outcomes import Reason
 from model.sweeps.files import atomic_write, write_text
 from model.sweeps.io import read_dataset
-from study.config.figures import COMPUTED, SCHEMATICS
 from study.csv_tables import csv_text
 from study.tracking import TrackingError
 from study.tracking.checkout import git_state
 from study.tracking.compare import (
     CLAIMS,
-    Change,
     change_of,
     changed_verdicts,
     changes_of,
@@ -38,8 +36,8 @@ if TYPE_CHECKING:
 
 LOG = "accepted.csv"
 LOG_COLUMNS = (
-    "date", "what", "reason", "commit", "variable", "points", "differing", "largest", "at",
-    "before", "after", "appeared", "vanished",
+    "date", "what", "reason", "commit", "changed", "most", "points", "differing", "largest", "at",
+    "before", "after",
 )  # fmt: skip
 
 NEW_SENSITIVE_SHARE = 0.02
@@ -143,8 +141,11 @@ def _place(dataset: "xr.Dataset", mask: NDArray[np.bool_]) -> str:
     return ", ".join(f"{name} = {dataset[name].values[i]:g}" for name, i in named) or "the run"
 
 
-def verify(root: Path, reference: Path, figures: Sequence[str] = COMPUTED) -> list[Disagreement]:
-    """Return the differences of a build from the reference that are not allowed."""
+def verify(root: Path, reference: Path, figures: Sequence[str]) -> list[Disagreement]:
+    """Return the differences of a build from the reference that are not allowed.
+
+    ``figures`` are those with datasets that are compared.
+    """
     findings = []
     for figure in figures:
         accepted, built = reference / f"{figure}.nc", root / "data" / f"{figure}.nc"
@@ -177,25 +178,24 @@ def _claims(accepted: Path, built: Path) -> list[Disagreement]:
 # --- Accepting ----------------------------------------------------------------------------------
 
 
-def accept(root: Path, reference: Path, what: Sequence[str], reason: str) -> list[str]:
+def accept(root: Path, reference: Path, what: Mapping[str, bool], reason: str) -> list[str]:
     """Make results of a build of the small study the reference; return a line for each of them.
 
-    ``what`` are names of figures, and "claims" for the verdicts. The log keeps the reason beside
-    the numbers.
+    ``what`` has the names of figures, and "claims" for the verdicts; True for those that have a
+    dataset. The log keeps the reason beside the numbers.
 
     Raises:
         TrackingError: the reason is not in words, or results are missing.
     """
     if len(reason.split()) < 2:
         raise TrackingError(f"--reason {reason!r}: say in a few words why it is right")
-    sources = {name: _sources(root, name) for name in what}
+    sources = {name: _sources(root, name, computed=computed) for name, computed in what.items()}
     now, commit = datetime.now(UTC).date().isoformat(), git_state().get("commit")
     rows, words = [], []
     for name, files in sources.items():
-        changes = _changes(files, reference, name)
         stated = {"date": now, "what": name, "reason": reason, "commit": commit}
-        rows += [{**stated, **change} for change in changes]
-        words.append(f"{name}: {len(changes)} lines in {LOG}")
+        rows.append({**stated, **(changed := _changed(files, reference, name))})
+        words.append(f"{name}: {changed['changed'] or 'nothing'} changed")
         for file in files:
             with atomic_write(reference / file.name) as part:
                 shutil.copyfile(file, part)
@@ -206,9 +206,9 @@ def accept(root: Path, reference: Path, what: Sequence[str], reason: str) -> lis
     return words
 
 
-def _sources(root: Path, name: str) -> list[Path]:
+def _sources(root: Path, name: str, *, computed: bool) -> list[Path]:
     """Return the files to copy: a figure's dataset, if it has one, then its picture."""
-    files = [root / "data" / f"{name}.nc"] if name in COMPUTED else []
+    files = [root / "data" / f"{name}.nc"] if computed else []
     files.append(root / CLAIMS if name == "claims" else root / "figures" / f"{name}.png")
     for file in files:
         if not file.is_file():
@@ -216,33 +216,35 @@ def _sources(root: Path, name: str) -> list[Path]:
     return files
 
 
-def _changes(files: Sequence[Path], reference: Path, name: str) -> list[dict[str, Any]]:
-    """Return a row of the log for each change; one row for a result without a reference."""
+def _changed(files: Sequence[Path], reference: Path, name: str) -> dict[str, Any]:
+    """Return what the log says of a result: what has changed, and where it has changed most.
+
+    Of several variables of a dataset the one with most differing points is described.
+    """
     built, accepted = files[0], reference / files[0].name
     if not accepted.is_file():
-        return [{"variable": "(first)"}]
+        return {"changed": "(first)"}
     if name == "claims":
-        return [
-            {"variable": each.name, "before": each.before, "after": each.after}
-            for each in changed_verdicts(accepted, built)
-        ]
+        return {"changed": " ".join(each.name for each in changed_verdicts(accepted, built))}
     drawn, kept = files[-1], reference / files[-1].name
     same = kept.is_file() and kept.read_bytes() == drawn.read_bytes()
-    picture = [] if same else [{"variable": "picture"}]
-    if name in SCHEMATICS:
-        return picture
+    picture = [] if same else ["picture"]
+    if built == drawn:
+        return {"changed": " ".join(picture)}
     old, new = read_dataset(accepted), read_dataset(built)
     if old["outcome"].dims != new["outcome"].dims:
-        return [{"variable": "(another grid)"}]
-    return [*map(_log_line, changes_of(old, new, name)), *picture]
-
-
-def _log_line(change: Change) -> dict[str, Any]:
-    line = asdict(change) | {
-        "largest": f"{change.largest:.3g}",
-        "at": " ".join(f"{name}={value:g}" for name, value in change.at.items()),
-        "before": f"{change.before:.9g}",
-        "after": f"{change.after:.9g}",
+        return {"changed": "(another grid)"}
+    changes = changes_of(old, new, name)
+    said = {"changed": " ".join([*(each.variable for each in changes), *picture])}
+    if not changes:
+        return said
+    most = max(changes, key=lambda each: each.differing)
+    return said | {
+        "most": most.variable,
+        "points": most.points,
+        "differing": most.differing,
+        "largest": f"{most.largest:.3g}",
+        "at": " ".join(f"{name}={value:g}" for name, value in most.at.items()),
+        "before": f"{most.before:.9g}",
+        "after": f"{most.after:.9g}",
     }
-    del line["figure"]
-    return line

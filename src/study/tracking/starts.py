@@ -26,7 +26,7 @@ from model.sweeps.files import write_json
 from study.tracking import TrackingError
 from study.tracking.checkout import git_state, versions
 from study.tracking.code import code_hash, code_of
-from study.tracking.history import completed, end_of_killed, free_number, start_file, write_index
+from study.tracking.history import completed, end_of_killed, free_number, start_file
 from study.tracking.locks import lock_root, say, tell
 from study.tracking.records import START, Kept, Record, iso, look, stated_hash
 from study.tracking.slurm import refuse_held_jobs
@@ -123,7 +123,6 @@ class Start(logging.Filter):
             if self._error and not ended["failures"]:
                 ended["reason"] = self._error
             write_json(ended, start_file(self._root, ended["start"]))
-            write_index(self._root)
         except (OSError, TrackingError) as error:
             say(f"the end of this start could not be recorded: {error}")
             return

@@ -9,25 +9,25 @@ import itertools
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from model.events.insertion import INSERTION
-from model.physics.parameters import Batch, Parameters
+from model.physics.parameters import Parameters
 from model.physics.tables import Value
 from model.physics.units import UNITS
 from model.runs.settings import Settings
 from model.runs.simulate import Trajectory, simulate_once
+from model.runs.unvibrated import unvibrated_words
 from model.sweeps.settings import Ensemble
 from model.sweeps.starts import Starts
-from vibralign.answers.approaches import ApproachVerdict, with_each_approach, worst_of
+from vibralign.answers.approaches import worst_of
 from vibralign.answers.cases import (
     OF_BASE,
     approach_of,
     cases_of,
-    on_bases,
     parameters_in,
     stated_case,
     without_approach,
@@ -48,8 +48,11 @@ from vibralign.answers.reliability import (
     STATISTICAL_TOLERANCE,
     are_late,
     are_reliable,
+    as_stated,
     from_every_start,
 )
+from vibralign.answers.sheet import sheet_rows
+from vibralign.answers.verdicts import Verdict, bases_in, ends_of, verdicts_on
 from vibralign.device import StatedDevice
 from vibralign.device.approach import Approach
 from vibralign.device.batches import Values
@@ -57,69 +60,7 @@ from vibralign.device.mouth import GRIPPER_TILT
 from vibralign.device.runs import AnyDevice, device_of, of_device
 
 _HOPPING = 8  # number of cases whose touch-downs are examined
-_SAME_TIME = 0.02  # relative difference below which two times count as equal
 _PAIRED = "press_force", "tilt_stiffness", "friction", "amplitude"  # changed two together
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class BaseVerdict(Value):
-    """Results of a device on one base; dimensionless.
-
-    Attributes:
-        contact_stiffness: contact stiffness over axial stiffness.
-        restitution: coefficient of restitution; None where the damping is the device's own.
-        starts: number of starts.
-        aligned: number of starts from which the device succeeds.
-        tau_best, tau_worst: shortest and longest alignment time of these, NaN without any.
-    """
-
-    contact_stiffness: float
-    restitution: float | None
-    starts: int
-    aligned: int
-    tau_best: float
-    tau_worst: float
-
-    @property
-    def reliable(self) -> bool:
-        """True if the device succeeds from every start on this base."""
-        return self.aligned == self.starts
-
-    @property
-    def times(self) -> tuple[float, float]:
-        """Shortest and longest alignment time."""
-        return self.tau_best, self.tau_worst
-
-    def agrees_with(self, other: "BaseVerdict") -> bool:
-        """Return whether as many starts succeed, in the same time within 2 %."""
-        return self.aligned == other.aligned and all(
-            math.isnan(one) or abs(one - two) <= _SAME_TIME * two
-            for one, two in zip(self.times, other.times, strict=True)
-        )
-
-
-class Successes(NamedTuple):
-    """Numbers of starts and of successes, and the times of these, dimensionless; NaN if none."""
-
-    starts: int
-    aligned: int
-    tau_best: float
-    tau_worst: float
-
-
-class TiltVerdict(NamedTuple):
-    """Results of a device that is held with one tilt, in rad, on all bases; as ``Successes``."""
-
-    tilt: float
-    starts: int
-    aligned: int
-    tau_best: float
-    tau_worst: float
-
-    @property
-    def reliable(self) -> bool:
-        """True if the device succeeds from every start at this tilt."""
-        return self.aligned == self.starts
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -152,6 +93,9 @@ class Assessment(Value):
         approaches: verdicts on the approaches that are tried; empty if only one is. The leeways,
             the nearest values and the change are those with ``worst``.
         failing_approach: approach of the failing case, None if it has none of its own.
+        device: the device.
+        settings: settings of its runs.
+        unvibrated: how it ends if it is only pressed, in words.
     """
 
     starts: int
@@ -165,21 +109,36 @@ class Assessment(Value):
     impact_speed: float = 0.0
     leeways: tuple[Leeway, ...] = ()
     nearest: tuple[Nearest, ...] = ()
-    bases: tuple[BaseVerdict, ...] = ()
+    bases: tuple[Verdict, ...] = ()
     forces: Mapping[str, float] = field(default_factory=dict)
     inserted: tuple[float, float] = (math.nan, math.nan)
     cause: str = ""
     change: Mapping[str, float] = field(default_factory=dict)
-    if_square: Successes | None = None
-    tilts: tuple[TiltVerdict, ...] = ()
+    if_square: Verdict | None = None
+    tilts: tuple[Verdict, ...] = ()
     tilt_range: Leeway | None = None
-    approaches: tuple[ApproachVerdict, ...] = ()
+    approaches: tuple[Verdict, ...] = ()
     failing_approach: Approach | None = None
+    device: Parameters | StatedDevice | None = None
+    settings: Settings | None = None
+    unvibrated: str = ""
+
+    @property
+    def times(self) -> tuple[float, float]:
+        """Shortest and longest alignment time."""
+        return self.tau_best, self.tau_worst
 
     @property
     def worst(self) -> Approach | None:
         """Approach with which most cases fail, of these the slowest; None if only one is tried."""
         return worst_of(self.approaches)
+
+    def __str__(self) -> str:
+        return "\n".join(f"{label:<16}{words}" for label, words in sheet_rows(self))
+
+    def _shown(self) -> dict[str, Any]:
+        """Return the rows of the sheet."""
+        return dict(sheet_rows(self))
 
     def __repr__(self) -> str:
         words = "reliable" if self.reliable else "not reliable"
@@ -200,7 +159,7 @@ class Assessment(Value):
     @property
     def rigid_from(self) -> float | None:
         """Smallest contact stiffness tried above which neither verdict nor time changes."""
-        return self._alike_from(BaseVerdict.agrees_with)
+        return self._alike_from(Verdict.agrees_with)
 
     @property
     def decided_from(self) -> float | None:
@@ -213,25 +172,45 @@ class Assessment(Value):
         changes = [
             abs(limit_time / time - 1.0)
             for base, limit in itertools.pairwise(self.bases)
-            if limit.contact_stiffness == max(each.contact_stiffness for each in self.bases)
+            if limit.of.contact_stiffness == max(each.of.contact_stiffness for each in self.bases)
             for time, limit_time in zip(base.times, limit.times, strict=True)
         ]
         return max(filter(math.isfinite, changes), default=math.nan)
 
-    def _alike_from(self, alike: Callable[[BaseVerdict, BaseVerdict], bool]) -> float | None:
+    def _alike_from(self, alike: Callable[[Verdict, Verdict], bool]) -> float | None:
         """Return the stiffness from which on all bases are like the stiffest of their restitution.
 
         None if there is no such stiffness.
         """
         least = None
-        for stiffness in sorted({each.contact_stiffness for each in self.bases}, reverse=True):
+        for stiffness in sorted({each.of.contact_stiffness for each in self.bases}, reverse=True):
             for each in self.bases:
-                like_it = [b for b in self.bases if b.restitution == each.restitution]
+                like_it = [b for b in self.bases if b.of.restitution == each.of.restitution]
                 limit = like_it[-1] if len(like_it) > 1 else self.bases[-1]
-                if each.contact_stiffness == stiffness and not alike(each, limit):
+                if each.of.contact_stiffness == stiffness and not alike(each, limit):
                     return least
             least = stiffness
         return least
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """Questions on devices with other values, in the same cases; those that fail stand first."""
+
+    device: Parameters | StatedDevice
+    cases: Starts
+    settings: Settings
+    cores: int
+
+    def reliable(self, values: Values) -> NDArray[np.bool_]:
+        return are_reliable(self.device, values, self.cases, self.settings, self.cores)
+
+    def roughly(self, values: Values) -> NDArray[np.bool_]:
+        loose = replace(self.settings, tolerance=STATISTICAL_TOLERANCE)
+        return are_reliable(self.device, values, self.cases, loose, self.cores)
+
+    def late(self, values: Values) -> NDArray[np.bool_]:
+        return are_late(self.device, values, self.cases, self.settings, self.cores)
 
 
 def assess(
@@ -256,77 +235,73 @@ def assess(
     device, settings = device_of(device), settings or Settings(scene=INSERTION)
     ensemble = ensemble or Ensemble()
     cases, tried = cases_of(device, ensemble), cases_of(device, ensemble, bases=bases)
-    of = device.quantities if isinstance(device, StatedDevice) else device.given()
-    own = {"friction": np.array([of["friction"]])}
-    found, units = from_every_start(device, own, tried, settings, cores)
+    found, units = from_every_start(device, as_stated(device), tried, settings, cores)
     on_all = {name: column[0] for name, column in found.items()}
     results = {name: column[: len(cases)] for name, column in on_all.items()}  # tried first
     goes_in, tau, hops = results["goes_in"], results["tau_align"], results["separations"]
-    approaches = with_each_approach(tried, on_all)
-    whole, worst = device, worst_of(approaches)
-    every, of_worst = cases, [approach_of(case) in (None, worst) for case in cases]
-    slowest_first = np.lexsort((-np.nan_to_num(tau + results["tau_inserted"]), goes_in))
-    hardest = [without_approach(cases[i]) for i in slowest_first if of_worst[i]]  # fail first
     hopping = [i for i in np.argsort(-hops, kind="stable")[:_HOPPING] if hops[i] > 0]
     runs = [_run_in(device, cases[i], settings) for i in hopping]
-
+    tilts = [case.get(GRIPPER_TILT) for case in cases]
     if isinstance(device, StatedDevice):
-        device = device.lowered(worst)
         settings = device.run_settings(settings, units[0])
-    cases = [without_approach(case) for case, own in zip(cases, of_worst, strict=True) if own]
-
-    def is_reliable(values: Values) -> NDArray[np.bool_]:
-        return are_reliable(device, values, hardest, settings, cores)
-
-    def roughly(values: Values) -> NDArray[np.bool_]:
-        loose = replace(settings, tolerance=STATISTICAL_TOLERANCE)
-        return are_reliable(device, values, hardest, loose, cores)
-
-    def is_late(values: Values) -> NDArray[np.bool_]:
-        return are_late(device, values, cases, settings, cores)
-
-    inserted = (tau + results["tau_inserted"])[goes_in]
     result = Assessment(
-        *_successes(goes_in, tau),
+        len(cases),
+        int(goes_in.sum()),
+        *ends_of(tau[goes_in]),
         failing_start=None,
         contact_force_max=float(np.fmax.reduce(results["contact_force_max"])),
         tilt_max=float(np.fmax.reduce(results["tilt_max"])),
         separations=(int(hops.min()), int(hops.max())),
         impact_speed=max((impact_speed(run) for run in runs), default=0.0),
-        bases=_on_each_base(device, tried, on_all["goes_in"], on_all["tau_align"]),
+        bases=verdicts_on(bases_in(device, tried), tried, on_all),
         forces={place: float(np.fmax.reduce(results[name])) for place, name in FORCES.items()},
-        inserted=_ends(inserted),
-        if_square=_if_square(device, ensemble, settings, cores),
-        tilts=_at_each_tilt(every, goes_in, tau),
-        approaches=approaches,
+        inserted=ends_of((tau + results["tau_inserted"])[goes_in]),
+        tilts=verdicts_on(tilts, cases, results),
+        approaches=verdicts_on([*map(approach_of, tried)], tried, on_all),
+        device=device,
+        settings=settings,
+        unvibrated=unvibrated_words(_parameters(device), settings),
     )
-    held = _held(device, cases)
-    if vary and result.tilts and result.tilts[0].reliable:
-        ranged = _tilt_range(device, ensemble, settings, cores)
-        result = replace(result, tilt_range=ranged)
-    if goes_in.all():
-        quicker = roughly if settings.tolerance < STATISTICAL_TOLERANCE else None
-        ranges = leeways(device, is_reliable, is_late, held, quicker) if vary else ()
-        return replace(result, leeways=ranges)
-    failing = every[int(np.argmin(goes_in))]
-    failed = _run_in(whole, failing, settings)
-    cause = cause_of(failed, settings.shape or "square")
-    result = replace(
-        result,
-        failing_start=stated_case(whole, failing),
-        failing_approach=approach_of(failing),
-        cause=cause.words,
-    )
+    lowered, own = device, settings
+    if isinstance(device, StatedDevice):
+        lowered = device.lowered(result.worst)
+        own = lowered.run_settings(settings, units[0])
+    failing = None if goes_in.all() else cases[int(np.argmin(goes_in))]
+    cause = None
+    if failing is not None:
+        cause = cause_of(_run_in(device, failing, own), own.shape or "square")
+        result = replace(
+            result,
+            failing_start=stated_case(device, failing),
+            failing_approach=approach_of(failing),
+            cause=cause.words,
+        )
+    slowest_first = np.lexsort((-np.nan_to_num(tau + results["tau_inserted"]), goes_in))
+    hardest = [cases[i] for i in slowest_first if approach_of(cases[i]) in (None, result.worst)]
+    result = replace(result, if_square=_if_square(lowered, ensemble, own, cores))
     if not vary:
         return result
-    near = nearest(device, is_reliable, held)
-    change = a_step_inside(device, is_reliable, first_change(cause, near))
-    change = change or together(device, is_reliable, _PAIRED)
-    if change and worst is not None:  # of the other approaches, too
+    asked = _Asked(lowered, [without_approach(case) for case in hardest], own, cores)
+    if result.tilts and result.tilts[0].reliable:
+        at_tilts = replace(asked, cases=cases_of(lowered, ensemble, varied=ADDED))
+        of_tilt = leeways(lowered, at_tilts.reliable, at_tilts.late, (*UNITS, *VARIED))
+        result = replace(result, tilt_range=next(iter(of_tilt), None))
+    held = _held(lowered, cases)
+    if cause is None:
+        quicker = asked.roughly if own.tolerance < STATISTICAL_TOLERANCE else None
+        return replace(result, leeways=leeways(lowered, asked.reliable, asked.late, held, quicker))
+    near = nearest(lowered, asked.reliable, held)
+    change = a_step_inside(lowered, asked.reliable, first_change(cause, near))
+    change = change or together(lowered, asked.reliable, _PAIRED)
+    if change and result.worst is not None:  # of the other approaches, too
         of_change = {name: np.array([value]) for name, value in change.items()}
-        holds = are_reliable(whole, of_change, every, settings, cores)[0]
+        holds = are_reliable(device, of_change, cases, own, cores)[0]
         change = change if holds else {}
     return replace(result, nearest=near, change=change)
+
+
+def _parameters(device: Parameters | StatedDevice) -> Parameters:
+    return device.parameters if isinstance(device, StatedDevice) else device
 
 
 def _run_in(
@@ -341,45 +316,19 @@ def _run_in(
     return of_device(run, device) if isinstance(device, StatedDevice) else run
 
 
-def _at_each_tilt(
-    cases: Starts, goes_in: NDArray[np.bool_], tau: NDArray[np.float64]
-) -> tuple[TiltVerdict, ...]:
-    """Return the verdicts on the gripper's tilts of the cases; empty without."""
-    tilts = np.array([case.get(GRIPPER_TILT, math.nan) for case in cases])
-    return tuple(
-        TiltVerdict(tilt, *_successes(goes_in[tilts == tilt], tau[tilts == tilt]))
-        for tilt in dict.fromkeys(tilts[~np.isnan(tilts)].tolist())
-    )
-
-
-def _tilt_range(
-    device: Parameters | StatedDevice, ensemble: Ensemble, settings: Settings, cores: int
-) -> Leeway | None:
-    """Return the leeway of the gripper's tilt of a device that is reliable at its own."""
-    cases = cases_of(device, ensemble, varied=ADDED)
-
-    def is_reliable(values: Values) -> NDArray[np.bool_]:
-        return are_reliable(device, values, cases, settings, cores)
-
-    def is_late(values: Values) -> NDArray[np.bool_]:
-        return are_late(device, values, cases, settings, cores)
-
-    return next(iter(leeways(device, is_reliable, is_late, (*UNITS, *VARIED))), None)
-
-
 def _if_square(
     device: Parameters | StatedDevice, ensemble: Ensemble, settings: Settings, cores: int
-) -> Successes | None:
-    """Return the successes of a square part in place of one whose shape is not stated."""
+) -> Verdict | None:
+    """Return the verdict on a square part in place of one whose shape is not stated."""
     if not isinstance(device, StatedDevice) or device.stated_shape is not None:
         return None
     square = replace(device, stated_shape="square")
     settings = replace(settings, shape="square")
     cases = cases_of(square, ensemble)
     starts = [each for each in cases if math.isnan(each.get("level", math.nan))]
-    own = {"friction": np.array([square.quantities["friction"]])}
-    results, _ = from_every_start(square, own, starts, settings, cores)
-    return _successes(results["goes_in"][0], results["tau_align"][0])
+    found, _ = from_every_start(square, as_stated(square), starts, settings, cores)
+    results = {name: column[0] for name, column in found.items()}
+    return verdicts_on(["square"] * len(starts), starts, results)[0]
 
 
 def _held(device: Parameters | StatedDevice, cases: Starts) -> tuple[str, ...]:
@@ -389,43 +338,6 @@ def _held(device: Parameters | StatedDevice, cases: Starts) -> tuple[str, ...]:
         return tilts
     own_damping = "contact_damping" in device.quantities
     return ("contact_stiffness", *(() if own_damping else ("contact_damping",)), *tilts)
-
-
-def _on_each_base(
-    device: Parameters | StatedDevice,
-    cases: Starts,
-    goes_in: NDArray[np.bool_],
-    tau: NDArray[np.float64],
-) -> tuple[BaseVerdict, ...]:
-    """Return the verdicts on the bases of the cases, the device's own first; empty without."""
-    if isinstance(device, Parameters) or OF_BASE[0] not in cases[0]:
-        return ()
-    one = Batch.stack([device.parameters])
-    found = on_bases(one, [device.units], cases, device.shape, device.fixture)
-    stiffness = found["contact_stiffness"][0]
-    keys = [tuple(str(case[name]) for name in OF_BASE) for case in cases]
-    verdicts = []
-    for key in dict.fromkeys(keys):
-        rows = np.array([each == key for each in keys])
-        first = int(np.argmax(rows))
-        impact = cases[first]["restitution"]
-        verdicts.append(
-            BaseVerdict(
-                float(stiffness[first]),
-                None if math.isnan(impact) else impact,
-                *_successes(goes_in[rows], tau[rows]),
-            )
-        )
-    return tuple(verdicts)
-
-
-def _successes(goes_in: NDArray[np.bool_], tau: NDArray[np.float64]) -> Successes:
-    return Successes(goes_in.size, int(goes_in.sum()), *_ends(tau[goes_in]))
-
-
-def _ends(values: NDArray[np.float64]) -> tuple[float, float]:
-    """Return the smallest and the largest value, NaN without any."""
-    return (float(values.min()), float(values.max())) if values.size else (math.nan, math.nan)
 
 
 def impact_speed(run: Trajectory) -> float:

@@ -220,6 +220,6 @@ def _tolerances(stated: StatedDevice, *, assumed: bool) -> str:
         sign = "±" if each.kind == "uniform" else "σ"
         width = f"{100.0 * each.width:.4g} %"
         if not each.relative:
-            width = written_words(name, each.width, stated).partition(" (")[0]
+            width = written_words(name, each.width, stated)
         rows.append(f"{name} {sign} {width}")
     return ("none stated, so assumed: " if assumed else "as stated: ") + ", ".join(rows)

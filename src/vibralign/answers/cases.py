@@ -57,10 +57,16 @@ def tilts_of(device: StatedDevice) -> list[float]:
 def _starts_of(device: StatedDevice, ensemble: Ensemble, *, tilts: bool) -> Starts:
     """Return the starts of a device: each phase, at each tilt of the gripper unless these vary."""
     _, phases = tilts_and_phases(device.parameters, ensemble)
+    starts = [{"phase": phase} for phase in phases]
+    return at_each_tilt(device, starts) if tilts else starts
+
+
+def at_each_tilt(device: StatedDevice, starts: Starts) -> Starts:
+    """Return the starts at each tilt of the gripper that is tried, if there are several."""
     tried = tilts_of(device)
-    if not tilts or len(tried) == 1:
-        return [{"phase": phase} for phase in phases]
-    return [{"phase": each, GRIPPER_TILT: tilt} for tilt in tried for each in phases]
+    if len(tried) == 1 or GRIPPER_TILT in starts[0]:
+        return starts
+    return [{**each, GRIPPER_TILT: tilt} for tilt in tried for each in starts]
 
 
 def _approaching(approach: Approach, starts: Starts) -> Starts:

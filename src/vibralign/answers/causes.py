@@ -12,8 +12,11 @@ from model.physics.notation import RIGHT_EDGE, State
 from model.physics.parameters import Shape, constants_of
 from model.runs.simulate import Trajectory
 from vibralign.answers.leeways import Nearest, steps_between
+from vibralign.answers.si import rounded
+from vibralign.device.instead import parameter_of
 
 STICKS = 0.99  # share of the time
+_SOME_WAY = 0.1  # share of the way to the hole: what has come less takes ten horizons and more
 _SOFTER = (("tilt_stiffness", -1), ("friction", -1), ("amplitude", 1), ("press_force", 1))
 _HOLDS = (("press_force", -1), ("tilt_stiffness", 1), ("tilt_damping", 1))
 
@@ -52,10 +55,9 @@ def cause_of(run: Trajectory, shape: Shape) -> Cause:
             words = f"it hardly slips: it sticks on {place} {100.0 * run.sticking_share:.3g} % of "
             return Cause(f"{words}the time, {against}", _SOFTER)
         way = 100.0 * way_of(run)
-        come = f"it has come {way:.2g} % of the way to the hole"
-        come = (
-            come if way >= 0.0 else f"it has moved away from the hole, by {-way:.2g} % of the way"
-        )
+        come = f"it has come {rounded(way, 2)} % of the way to the hole"
+        if way < 0.0:
+            come = f"it has moved away from the hole, by {rounded(-way, 2)} % of the way"
         lifted = f"lifts off {run.separations} times" if run.separations else "never lifts off"
         words = f"it slips, {lifted}, {against}"
         if run.outcome == Outcome.SETTLED:
@@ -81,12 +83,8 @@ def _against(run: Trajectory, shape: Shape) -> str:
     """
     found = _lean(run, shape)
     tilt, normal, friction = (f"{math.degrees(each):.2g}°" for each in found)
-    if shape == "round":
-        words = (
-            f"tilted by at most {tilt}: the normal at the tips then leans by {normal}, against a"
-        )
-        return f"{words} friction angle of {friction} in the wedge"
-    return f"tilted by at most {tilt} against a friction angle of {friction}"
+    leans = f", so that the contact leans by {normal}" if shape == "round" else ""
+    return f"tilted by at most {tilt}{leans}; by friction it slides only from {friction} on"
 
 
 def _lean(run: Trajectory, shape: Shape) -> _Lean:
@@ -124,17 +122,23 @@ def way_of(run: Trajectory) -> float:
     return float((arm[-1] - arm[0]) / (device.half_width - arm[0]))
 
 
+def waits_in_vain(run: Trajectory) -> bool:
+    """Return if a run that has not aligned by the horizon would hardly do so by a longer one."""
+    late = run.outcome == Outcome.HORIZON_REACHED and math.isnan(run.tau_align)
+    return late and (run.sticking_share >= STICKS or way_of(run) < _SOME_WAY)
+
+
 def first_change(cause: Cause, nearest: Sequence[Nearest]) -> Mapping[str, float]:
     """Return the change of one parameter that makes a device reliable; empty if none does.
 
     The first of the cause's cures, else of all parameters the one that has to change least.
     """
-    found = {each.parameter: each for each in nearest}
+    found = {parameter_of(each.parameter): each for each in nearest}
     for name, direction in cause.cures:
         if name in found:
             end = found[name].above if direction > 0 else found[name].below
             if end is not None:
-                return {name: end}
+                return {found[name].parameter: end}
     ends = [(each, end) for each in nearest for end in (each.below, each.above) if end is not None]
     least = min(ends, key=_steps, default=None)
     return {} if least is None else {least[0].parameter: least[1]}

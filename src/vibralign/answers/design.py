@@ -29,6 +29,7 @@ from vibralign.answers.design_trials import MEASURES, Check, Row, Trials
 from vibralign.answers.reliability import Floats
 from vibralign.answers.yields import check_devices, interval
 from vibralign.device import StatedDevice, Tolerance
+from vibralign.device.instead import name_in
 from vibralign.device.runs import AnyDevice, device_of
 from vibralign.device.stated import unit_of
 
@@ -92,7 +93,7 @@ class Tried(Value):
 
 
 class Limiting(NamedTuple):
-    """What limits a setting.
+    """A limit of a setting.
 
     Attributes:
         kind: "limit", "lower end" or "upper end" of a range, or "tolerance".
@@ -166,7 +167,7 @@ class Design(Value):
 
     @property
     def limiting(self) -> list[Limiting]:
-        """What keeps the recommended setting from the limits, or from a larger margin.
+        """Return what keeps the recommended setting from the limits, or from a larger margin.
 
         If no setting keeps the limits, these are all of them, those first that it exceeds; else the
         limits that it is ``NEAR`` to. Then come the ends of ranges that it is ``NEAR`` to, and the
@@ -253,7 +254,8 @@ def with_tolerances(stated: StatedDevice) -> StatedDevice:
         )
     if stated.tolerances:
         return stated
-    return replace(stated, tolerances={n: ASSUMED for n in ASSUMED_OF if n in stated.quantities})
+    names = [name_in(stated.quantities, name) for name in ASSUMED_OF]
+    return replace(stated, tolerances={n: ASSUMED for n in names if n in stated.quantities})
 
 
 def search(

@@ -20,6 +20,7 @@ from scipy import stats
 from model.physics.tables import Value
 from model.runs.settings import Settings
 from model.sweeps.starts import Starts
+from vibralign.answers.cases import at_each_tilt
 from vibralign.answers.reliability import (
     STATISTICAL_TOLERANCE,
     DeviceResults,
@@ -175,7 +176,8 @@ class Trials:
         values |= drawn(stated, self.devices)
         itself = {name: np.array([stated.quantities[name]]) for name in values}
         self.runs.take(len(self.starts))
-        if not are_reliable(stated, itself, self.starts, self.settings, self.cores)[0]:
+        starts = at_each_tilt(stated, self.starts)
+        if not are_reliable(stated, itself, starts, self.settings, self.cores)[0]:
             return Check((0.0, 0.0, *[math.nan] * len(MEASURES)), 0, 0)
         parts, done, holds = list[DeviceResults](), 0, True
         while holds and done < self.devices:

@@ -1,9 +1,9 @@
 """Leeways of a device: ranges in which it stays reliable, one parameter at a time.
 
-Each parameter is scanned from its value, downwards and upwards, in steps of one ratio, all in one
-batch; the gripper's tilt, whose value may be 0, in steps that add. Two more batches divide the step
-in which the verdict changes, and then such a part, so that the end of the range is known to
-``FINEST``. Values are tried with the digits that are printed.
+Each parameter is scanned from its value, downwards and upwards, in steps of one ratio, a few steps
+of all parameters in one batch; the gripper's tilt, whose value may be 0, in steps that add. More
+batches divide the step in which the verdict changes, and then such a part, so that the end of the
+range is known to ``FINEST``. Values are tried with the digits that are printed.
 
 The border of a part that hops is *ragged*: values that fail lie among values that hold, down to
 slivers of 0.01 %. So ``UNBROKEN`` values ``FINEST`` apart are tried inwards from an end, ``BEYOND``
@@ -26,6 +26,7 @@ import numpy as np
 from model.physics.parameters import Parameters
 from model.physics.units import UNITS
 from vibralign.device import StatedDevice
+from vibralign.device.instead import name_in
 from vibralign.device.mouth import GRIPPER_TILT
 
 VARIED = (
@@ -36,6 +37,7 @@ VARIED = (
 STEP = 2.0 ** (1.0 / 12.0)  # ratio of neighbouring values, 6 %
 ADDED: Mapping[str, float] = {GRIPPER_TILT: math.radians(0.1)}  # steps of values that add
 STEPS = 24  # steps of a scan: from a quarter to four times the value
+AT_ONCE = 4  # values of each scan that are tried together
 PARTS = 4, 5  # of the step in which the verdict changes; then of such a part
 DIGITS = 4  # of the values
 FINEST = STEP ** (1.0 / math.prod(PARTS)) * (1.0 + 10.0 ** (1 - DIGITS)) - 1.0  # 0.4 %
@@ -179,6 +181,8 @@ def together(device: Stated, is_reliable: IsReliable, names: Names) -> dict[str,
     Both are changed by up to the factor of a scan, the other parameters held.
     """
     own = _own(device)
+    if isinstance(device, StatedDevice):
+        names = [name_in(device.quantities, name) for name in names]
     values = {
         name: [own[name], *(v for step in (-4.0, 4.0)
                             for v in _values(device, name, own[name], step, PAIRED // 2)[1:])]
@@ -318,17 +322,22 @@ def _leading(
 ) -> list[int]:
     """Return how many leading values of each scan have the verdict of the device, its own first.
 
-    Verdicts are added to ``judged``; values that have one are not tried again.
+    Verdicts are added to ``judged``; values that have one are not tried again, nor any beyond the
+    few among which the verdict changes.
     """
-    both = list(zip(names, scans, strict=True))
-    values = dict.fromkeys((name, value) for name, scan in both for value in scan[1:])
-    if tried := [each for each in values if each not in judged]:
-        some = {name: own[name] for name in names}
-        judged |= zip(tried, are_alike(_swept(some, tried)).tolist(), strict=True)
-    return [
-        [True, *(judged[name, value] for value in scan[1:]), False].index(False)
-        for name, scan in both
-    ]
+    some, known = {name: own[name] for name in names}, [1] * len(scans)
+    for begin in range(1, max(map(len, scans), default=0), AT_ONCE):
+        parts = {
+            i: [(names[i], value) for value in scans[i][begin : begin + AT_ONCE]]
+            for i, n in enumerate(known)
+            if n == begin < len(scans[i])
+        }
+        values = dict.fromkeys(itertools.chain.from_iterable(parts.values()))
+        if tried := [each for each in values if each not in judged]:
+            judged |= zip(tried, are_alike(_swept(some, tried)).tolist(), strict=True)
+        for i, part in parts.items():
+            known[i] += [*(judged[each] for each in part), False].index(False)
+    return known
 
 
 def _swept(own: Mapping[str, float], tried: Sequence[tuple[str, float]]) -> dict[str, np.ndarray]:
@@ -340,11 +349,15 @@ def _swept(own: Mapping[str, float], tried: Sequence[tuple[str, float]]) -> dict
 
 
 def _own(device: Stated, held: Names = ()) -> dict[str, float]:
-    """Return the device's own values of what is varied, in SI units for a device of a file."""
+    """Return the device's own values of what is varied, in SI units for a device of a file.
+
+    These are by the names by which the file states them, such as ``play`` for the clearance.
+    """
     if isinstance(device, Parameters):
         return {name: getattr(device, name) for name in VARIED if name not in held}
-    values = device.values
-    return {name: values[name] for name in (*UNITS, *VARIED, *ADDED) if name not in held}
+    values = {**device.values, **device.quantities}
+    names = [name for name in (*UNITS, *VARIED, *ADDED) if name not in held]
+    return {each: values[each] for each in (name_in(device.quantities, name) for name in names)}
 
 
 def _values(

@@ -3,11 +3,9 @@
 import math
 from dataclasses import dataclass
 
-import numpy as np
-
 from model.runs.settings import Settings
 from vibralign.answers.assess import Assessment
-from vibralign.answers.reliability import need_vibration
+from vibralign.answers.reliability import as_stated, need_vibration
 from vibralign.answers.yields import Yield
 from vibralign.device import StatedDevice
 from vibralign.device.limits import OF_VIBRATOR, of_vibrator
@@ -63,8 +61,7 @@ def limit_results(
         **of_vibrator(units.amplitude, stated.quantities["frequency"]),
     }
     if "vibration" in stated.limits:
-        own = {"friction": np.array([stated.quantities["friction"]])}
-        itself["vibration"] = float(need_vibration(stated, own, settings)[0])
+        itself["vibration"] = float(need_vibration(stated, as_stated(stated), settings)[0])
 
     def largest(name: str) -> float | None:
         if drawn is None or name in OF_VIBRATOR:

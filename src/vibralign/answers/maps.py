@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Annotated, Any
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 from pydantic import AfterValidator
 
@@ -12,11 +13,13 @@ from model.engine.results import RESULTS, UNVIBRATED_CONTROL
 from model.events.scenes import ALIGNMENT
 from model.physics.parameters import Batch, Parameters
 from model.physics.quantities import ANGLE, PLAIN
+from model.runs.settings import Settings
 from model.sweeps.axes import Axis, check_plane
 from model.sweeps.settings import Ensemble, RunSettings
-from model.sweeps.sweep import Columns, Group, Sweep
+from model.sweeps.sweep import START, Columns, Group, Sweep, margin_of
 from vibralign.answers.approaches import in_worst_approach
 from vibralign.answers.cases import cases_of
+from vibralign.answers.reliability import are_reliable
 from vibralign.device.approach import SPEED
 from vibralign.device.batches import by_settings, devices_of, rows_of
 from vibralign.device.mouth import GRIPPER_TILT, judged
@@ -97,6 +100,38 @@ class DeviceMap(Sweep):
         return attributes
 
 
+def in_every_case(
+    found: xr.Dataset,
+    device: Parameters | StatedDevice,
+    settings: Settings,
+    ensemble: Ensemble,
+    cores: int = 1,
+) -> xr.Dataset:
+    """Return a map of a device whose reliable nodes are so in every case that ``assess`` tries.
+
+    A map tries one approach and one base. Nodes that hold there are tried with all others.
+    """
+    if not isinstance(device, StatedDevice) or "reliable" not in found:
+        return found
+    reliable = found["reliable"].values.astype(bool)
+    axes = {str(dim).removeprefix(START): found[dim].values for dim in found["reliable"].dims}
+    cases = cases_of(device, ensemble, varied=axes)
+    if len(cases) * reliable.size == found["start_outcome"].size or not reliable.any():
+        return found
+    places = np.nonzero(reliable)
+    values = {name: each[at] for (name, each), at in zip(axes.items(), places, strict=True)}
+    reliable[places] = are_reliable(device, values, cases, settings, cores)
+    words = f"in each of {len(cases)} cases: starts, approaches and bases"
+    columns = {"reliable": reliable.astype(np.int8), "margin": margin_of(reliable)}
+    attributes = {"reliable": {"comment": words}, "margin": {}}
+    return found.assign(
+        {
+            name: (found[name].dims, column, found[name].attrs | attributes[name])
+            for name, column in columns.items()
+        }
+    )
+
+
 def corners_of(axes: Mapping[str, Sequence[float]]) -> list[dict[str, float]]:
     """Return the corners of a grid: the first or last value of each axis, by name."""
     ends = [dict.fromkeys((values[0], values[-1])) for values in axes.values()]
@@ -122,7 +157,8 @@ def map_of(
 
     The starts of the ensemble are tried at every node of a coarse map, at most as far apart as in
     the ensemble. A map over the phase or the initial tilt tries none. A device that states no
-    approach is mapped with the worst at its own values; see ``in_worst_approach``.
+    approach is mapped with the worst at its own values (``in_worst_approach``), on the base of a
+    single run; ``in_every_case`` tries the others.
 
     Raises:
         ValueError: the axes have the same parameter, or break a parameter's rule.

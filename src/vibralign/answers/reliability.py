@@ -6,6 +6,7 @@ dimensionless, or as its file states it; its values are then in SI units, and ch
 changes them.
 """
 
+import itertools
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields
 from typing import Any
@@ -35,7 +36,7 @@ Floats = NDArray[np.float64]
 STATISTICAL_TOLERANCE = 1e-6  # local error of a step; yields are the same as at 1e-10
 FORCES = {place: f"{place}_force_max" for place in PLACES_OF_CONTACT}
 """Results of a run that are the largest force at a place of contact, by the place."""
-_FEW = 12  # after the first case, every twelfth is tried: most failing devices fail in many
+_SPREAD = (5.0**0.5 - 1.0) / 2.0  # of the cases, from one to the next: far from all before
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -92,6 +93,12 @@ class DeviceResults(Value):
 
     def __repr__(self) -> str:
         return f"<DeviceResults: {self.goes_in.sum():,} of {self.goes_in.size:,} devices go in>"
+
+
+def as_stated(device: Parameters | StatedDevice) -> Values:
+    """Return the values of one device without a change."""
+    own = device.quantities if isinstance(device, StatedDevice) else device.given()
+    return {"friction": np.array([own["friction"]])}
 
 
 def from_every_start(
@@ -198,16 +205,29 @@ def are_reliable(
 ) -> NDArray[np.bool_]:
     """Return a mask of the devices that go in in all cases, shape (n,).
 
-    A case is tried only where those before it succeed: first the first of ``starts``, then a few.
+    A case is tried only where those before it succeed: first one, then each time twice as many.
     """
-    reliable, others = np.ones(len(next(iter(values.values()))), np.bool_), starts[1:]
-    most = [start for i, start in enumerate(others) if i % _FEW]
-    for some in filter(len, (starts[:1], others[::_FEW], most)):
-        if (left := np.flatnonzero(reliable)).size:
-            tried = {name: column[left] for name, column in values.items()}
-            found, _ = from_every_start(device, tried, some, settings.quickest, cores)
-            reliable[left] = found["goes_in"].all(axis=1)
+    reliable = np.ones(len(next(iter(values.values()))), np.bool_)
+    begin, cases = 0, in_turn(starts)
+    while begin < len(cases) and (left := np.flatnonzero(reliable)).size:
+        some = cases[begin : 2 * begin + 1]
+        tried = {name: column[left] for name, column in values.items()}
+        found, _ = from_every_start(device, tried, some, settings.quickest, cores)
+        reliable[left] = found["goes_in"].all(axis=1)
+        begin += len(some)
     return reliable
+
+
+def in_turn(starts: Starts) -> Starts:
+    """Return the cases in the order in which to try them: in turn the next, and one far from it.
+
+    A device that fails does so in cases that are alike, or in those in which another one fails,
+    which come first if they are known.
+    """
+    count = len(starts)
+    spread = np.argsort(np.argsort(np.arange(count) * _SPREAD % 1.0)).tolist()
+    turns = itertools.chain.from_iterable(zip(range(count), spread, strict=True))
+    return [starts[i] for i in dict.fromkeys(turns)]
 
 
 def are_late(
@@ -267,8 +287,7 @@ def reliable_at(
     if len({each.shape for each in values.values()}) > 1:
         shapes = ", ".join(f"{name}: {each.size}" for name, each in values.items())
         raise ValueError(f"quantities must have one common length, got {shapes}")
-    parameters = device.parameters if isinstance(device, StatedDevice) else device
-    values = values or {"friction": np.array([parameters.friction])}
+    varied: Values = values or as_stated(device)
     settings = settings or Settings(scene=INSERTION)
-    cases = cases_of(device, Ensemble(), varied=values)
-    return are_reliable(device, values, cases, settings, cores)
+    cases = cases_of(device, Ensemble(), varied=varied)
+    return are_reliable(device, varied, cases, settings, cores)

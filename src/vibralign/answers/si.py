@@ -53,35 +53,41 @@ def scale(units: Units | None, quantity: Quantity) -> float:
     return 1.0 if units is None else units.of(quantity)
 
 
-def in_words(value: float, quantity: Quantity, units: Units | None) -> str:
+def in_words(value: float, quantity: Quantity, units: Units | None, digits: int = DIGITS) -> str:
     """Return a dimensionless ``value`` in the units of the user, with its unit."""
-    return si_words(value * scale(units, quantity), quantity) if units else f"{value:.{DIGITS}g}"
+    if units is None:
+        return f"{value:.{digits}g}"
+    return si_words(value * units.of(quantity), quantity, digits)
 
 
-def range_words(low: float, high: float, quantity: Quantity, units: Units | None) -> str:
+def range_words(
+    low: float, high: float, quantity: Quantity, units: Units | None, digits: int = DIGITS
+) -> str:
     """Return a dimensionless range in the units of the user, with one unit for both ends."""
     if units is None:
-        return f"{low:.{DIGITS}g} to {high:.{DIGITS}g}"
-    return si_list([value * units.of(quantity) for value in (low, high)], quantity, " to ")
+        return f"{low:.{digits}g} to {high:.{digits}g}"
+    return si_list([value * units.of(quantity) for value in (low, high)], quantity, " to ", digits)
+
+
+def rounded(value: float, digits: int = DIGITS) -> str:
+    """Return a number with some digits, without an exponent where these are whole ones."""
+    return f"{float(f'{value + 0.0:.{digits}g}'):.12g}"
 
 
 def si_list(
     values: Sequence[float], quantity: Quantity, between: str = ", ", digits: int = DIGITS
 ) -> str:
     """Return values in SI units, in the unit of the largest."""
-    unit, one = display(max(values, key=abs), quantity)
-    return f"{between.join(f'{value / one:.{digits}g}' for value in values)} {unit}".rstrip()
+    unit, one = _printed_in(max(values, key=abs), quantity)
+    return f"{between.join(rounded(value / one, digits) for value in values)} {unit}".rstrip()
 
 
-def si_words(value: float, quantity: Quantity) -> str:
-    """Return a ``value`` in SI units with four digits and its unit, a tilt in degrees as well."""
+def si_words(value: float, quantity: Quantity, digits: int = DIGITS) -> str:
+    """Return a ``value`` in SI units with some digits and its unit; a tilt in degrees."""
     if math.isnan(value):
         return "none"
-    unit, one = display(value, quantity)
-    text = f"{value / one:.{DIGITS}g}" + (f" {unit}" if unit else "")
-    degrees = math.degrees(value)
-    places = 1 if abs(degrees) >= 1.0 else 2
-    return f"{text} ({degrees:.{places}f}°)" if quantity == ANGLE else text
+    unit, one = _printed_in(value, quantity)
+    return f"{rounded(value / one, digits)} {unit}".rstrip()
 
 
 def written_words(
@@ -89,7 +95,9 @@ def written_words(
 ) -> str:
     """Return a quantity of a device in the unit in which it is stated, else as ``si_words``."""
     unit, one = stated.written.get(name, ("", 1.0)) if stated else ("", 1.0)
-    return f"{value / one:.{digits}g} {unit}" if unit else si_words(value, quantity_of(name))
+    if not unit:
+        return si_words(value, quantity_of(name), digits)
+    return f"{rounded(value / one, digits)} {unit}"
 
 
 def named_words(values: Mapping[str, float], stated: StatedDevice | None = None) -> str:
@@ -120,6 +128,11 @@ def natural_words(parameters: Parameters, units: Units | None) -> str:
     ]
     words = f"; excitation at {', '.join(ratios)} times them"
     return f"natural frequencies: {', '.join(natural)}{words}"
+
+
+def _printed_in(value: float, quantity: Quantity) -> tuple[str, float]:
+    """Return ``display``, and degrees of a tilt."""
+    return ("deg", math.pi / 180.0) if quantity == ANGLE else display(value, quantity)
 
 
 def display(value: float, quantity: Quantity) -> tuple[str, float]:

@@ -33,6 +33,7 @@ DIGITS = 6  # of the values of a drawn device
 INDEX_POINTS = 256  # points of the Sobol' indices, a power of two
 INDEX_STARTS = 4  # the indices take every fourth start
 WIDEST = 0.6  # interval of an index that is known
+_BLAMED = 0.05  # index from which a tolerance is named
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -90,6 +91,24 @@ class Yield(Value):
     def __repr__(self) -> str:
         ends = f"{100.0 * self.low:.4g} to {100.0 * self.high:.4g} %"
         return f"<Yield: {100.0 * self.share:.4g} % ({ends}) of {self.devices:,} devices>"
+
+    @property
+    def blame(self) -> str:
+        """The tolerances to blame, by their total Sobol' indices, in words; empty without any."""
+        parts = []
+        for of in ("failure", "time"):
+            indices = {each.quantity: getattr(each, of) for each in self.sobol_indices}
+            known = {name: each for name, each in indices.items() if each >= _BLAMED}
+            most = sorted(known, key=lambda name: -known[name])[:3]
+            words = ", ".join(f"{name} {100.0 * known[name]:.0f} %" for name in most)
+            name = "failures" if of == "failure" else "the spread of times"
+            parts += [f"of {name}: {words}"] if words else []
+        failed = self.devices - self.going_in
+        if self.sobol_indices and failed and not (parts and parts[0].startswith("of failures")):
+            parts.insert(
+                0, f"too few of one kind to blame a tolerance: {failed:,} fail of {self.devices:,}"
+            )
+        return "; ".join(parts)
 
     @property
     def share(self) -> float:

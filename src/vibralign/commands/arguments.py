@@ -27,6 +27,7 @@ from vibralign.device.mouth import MOUTH
 from vibralign.device.paper import baseline
 from vibralign.device.spelling import plain
 from vibralign.device.stated import FOLLOWED, QUANTITIES, quantity_of, unit_of
+from vibralign.device.unknown import refusal
 
 
 def add_model_options(
@@ -126,12 +127,17 @@ class Inputs:
         return self.parameters.given() if self.stated is None else {**self.stated.values}
 
 
-def read_inputs(arguments: argparse.Namespace) -> Inputs:
+def read_inputs(arguments: argparse.Namespace, *, known_in_part: bool = False) -> Inputs:
     """Return the device and the settings of a command, and warn of doubtful values.
 
-    Without --device, --set changes the device of the paper's study.
+    Without --device, --set changes the device of the paper's study. A device with unknown
+    quantities is refused unless it may be ``known_in_part``.
     """
     stated = _stated_device(arguments)
+    if stated is not None and stated.unknown and not known_in_part:
+        one = next(iter(stated.unknown))
+        instead = f"give each with --set {one}=VALUE; assess, design and calibrate take ranges"
+        raise refusal(stated.source, stated.unknown, instead)
     settings = _settings(arguments, stated)
     if stated is None:
         return Inputs(None, None, _changed(baseline(), arguments.changes), settings)

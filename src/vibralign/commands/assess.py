@@ -1,46 +1,44 @@
-"""``vibralign assess``: assess a device: verdict, bases, leeways and yield."""
+"""``vibralign assess``: assess a device: its sheet, its details, and all of it as JSON."""
 
 import argparse
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, replace
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from model.events.outcomes import SUCCESS_TEXT
-from model.physics.parameters import Parameters
-from model.physics.quantities import ANGLE, FORCE, SPEED, STIFFNESS, TIME
+from model.physics.quantities import FORCE, SPEED, STIFFNESS, TIME
+from model.physics.tables import vars_of
 from model.physics.units import Units
-from model.runs.unvibrated import unvibrated_words
 from vibralign.answers import si
-from vibralign.answers.assumptions import assumptions, lines_of, source_words
-from vibralign.answers.forces import forces_words, tip_record
-from vibralign.answers.lever import lever_record, lever_words, wall_words
+from vibralign.answers.assumptions import assumptions, lines_of
+from vibralign.answers.forces import tip_record
+from vibralign.answers.lever import lever_record
 from vibralign.commands.arguments import (
     add_model_options,
     announce_compilation,
     number,
     read_inputs,
 )
-from vibralign.commands.files import check_file, check_picture
-from vibralign.commands.limits import exceeded_words, limit_lines
+from vibralign.commands.files import check_file, check_picture, writing
+from vibralign.commands.known import assess_in_part
+from vibralign.commands.limits import exceeded_words, limit_lines, limit_rows
 from vibralign.commands.program import add_command, add_json
 from vibralign.commands.progress import ProgressLine
 from vibralign.commands.simulate import unvibrated_record
-from vibralign.commands.tables import in_columns, print_json
+from vibralign.commands.tables import print_json
 from vibralign.commands.tables import report_line as _line
-from vibralign.commands.yields import yield_record, yield_report, yield_words
+from vibralign.commands.yields import yield_lines, yield_record, yield_rows, yield_words
+from vibralign.device.approach import Approach
 from vibralign.device.plausibility import DISTRUSTED, NoNeedError
 
 if TYPE_CHECKING:
     from model.runs.settings import Settings
     from model.sweeps.starts import Starts
-    from vibralign.answers.approaches import ApproachVerdict
-    from vibralign.answers.assess import Assessment, BaseVerdict, TiltVerdict
+    from vibralign.answers.assess import Assessment
     from vibralign.answers.design_trials import Check
-    from vibralign.answers.leeways import Leeway, Nearest
     from vibralign.answers.limits import LimitResult
+    from vibralign.answers.verdicts import Verdict
     from vibralign.answers.yields import FailingDevice, Yield
     from vibralign.device import StatedDevice
 
@@ -59,35 +57,42 @@ def add(commands: Any) -> None:
         "100 times its axial stiffness up to that of steel as well. Each parameter is varied, the "
         "others held, by up to a factor of four or until the device is not reliable. If the file "
         "states tolerances, devices are drawn within them: their yield, and what is to blame for "
-        "failures.",
+        "failures. If it states ranges of what is unknown: for which share of what is possible it "
+        "is reliable, what decides, and what to measure.",
         epilog="exit code: 0 the device was assessed; 1 the yield of --require is not met, or a "
         "limit of the file is exceeded with it; "
         "2 bad input",
     )
     add = parser.add_argument
     add("--bases", action="store_true", help="try the span of bases even if the base is stated")
-    words = "exit with 1 unless the yield is at least this, with 95 %% confidence"
+    words = (
+        "exit with 1 unless the yield, or the share of what is possible, is at least this, with "
+    )
+    words += "95 %% confidence"
     add("--require", metavar="YIELD", help=words)
     words = "devices drawn within the tolerances, a power of two (default: 4096)"
     add("--devices", metavar="N", default="4096", help=words)
+    words = "print below the sheet each approach, base and tilt, all leeways, and what is assumed"
+    add("--details", action="store_true", help=words)
+    words = "draw into FILE what goes in, over the two quantities that decide, with the device; or "
+    words += "the verdict over those that are unknown"
+    add("--plot", type=Path, metavar="FILE", help=words)
     words = "write the device sheet FILE (.html): numbers, verdict, map, run; prints on A4"
     add("--sheet", type=Path, metavar="FILE", help=words)
-    add_model_options(parser, scene="insertion", dimensionless=True)
+    add_model_options(parser, scene="insertion")
     add_json(parser)
 
 
 def _assess(arguments: argparse.Namespace) -> int:
     try:
-        given = read_inputs(arguments)
+        given = read_inputs(arguments, known_in_part=True)
     except NoNeedError as found:
         return _without_need(str(found), as_json=arguments.json)
     stated, device, settings = given.stated, given.parameters, given.settings
     required, devices = _required(arguments, stated)
-    if arguments.sheet is not None:
-        check_file(arguments.sheet, "--sheet", ["html"])
-        check_picture(arguments.sheet.with_suffix(".png"), "--sheet")
-        if stated is None:
-            raise ValueError("--sheet needs --device FILE")
+    _check_paths(arguments)
+    if stated is not None and stated.unknown:
+        return assess_in_part(arguments, given, required)
     announce_compilation()
     from model.sweeps.settings import Ensemble  # noqa: PLC0415
     from vibralign.answers.assess import assess  # noqa: PLC0415  (only this command)
@@ -128,32 +133,60 @@ def _assess(arguments: argparse.Namespace) -> int:
             | {"assumptions": assumed}
         )
         return int(not met)
-    units = None if arguments.dimensionless else given.units
-    source = "the paper's, dimensionless (no --device)"
-    if stated is not None:
-        source = source_words(stated)
-    groups = {"Verdict": [*_verdict(result, units, device, settings), *limit_lines(limits)]}
-    value = partial(_value, stated=stated, units=units)
-    groups["Leeways"] = [*_advice(result, value), *_varied(result, value)]
+    from vibralign.answers.sheet import sheet_rows  # noqa: PLC0415  (as above)
+    from vibralign.commands.details import leeway_lines, verdict_lines  # noqa: PLC0415
+
+    more, rest = limit_rows(limits), [*limit_lines(limits)]
     if drawn is not None and stated is not None:
-        words = ""
-        if required is not None:
-            faults = ["the yield is too low"] if drawn.low < required else []
-            faults += [] if kept else ["a limit is exceeded"]
-            words = f"{100.0 * required:.4g} %: {'met' if met else 'not met'}"
-            words += f", as {' and '.join(faults)}" if faults else ""
-        groups["Yield"] = yield_report(result, drawn, nearest, stated, words, settings)
-    groups["Assumptions"] = lines_of(assumed)
-    head = [_line("device", source), _line("verdict", verdict)]
-    print("\n".join([*head, *(line for lines in groups.values() for line in lines)]))
-    if arguments.sheet is not None and stated is not None:
-        from vibralign.commands.sheet import write_sheet  # noqa: PLC0415  (as above)
+        of_yield = yield_rows(result, drawn, nearest, stated, _words_of(required, drawn, kept=kept))
+        more, rest = of_yield + more, yield_lines(drawn, nearest, stated, settings) + rest
+    groups = {
+        "Sheet": [_line(*row) for row in sheet_rows(result, verdict, more)],
+        "Details": [*verdict_lines(result, given.units, device, settings), *leeway_lines(result)],
+        "Yield and limits": rest,
+        "Assumptions": lines_of(assumed),
+    }
+    shown = groups.values() if arguments.details else [groups["Sheet"]]
+    print("\n".join(line for lines in shown for line in lines))
+    if not arguments.details:
+        words = "--details (every approach, base and tilt, all leeways, what is assumed), "
+        print(_line("more", words + "--plot FILE, --sheet FILE, --json"))
+    if arguments.sheet is not None or arguments.plot is not None:
+        from vibralign.commands import sheet  # noqa: PLC0415  (as above)
 
         good = result.reliable and kept and (drawn is None or drawn.share == 1.0)
-        with ProgressLine() as line:
-            line.begin("map of the sheet")
-            write_sheet(arguments.sheet, stated, (verdict, good), groups, settings)
+        assert given.stated is not None  # noqa: S101  (``_check_paths``)
+        with ProgressLine() as line, writing():
+            line.begin("map of what goes in")
+            if arguments.plot is not None:
+                sheet.write_plot(arguments.plot, given.stated, result, settings)
+            if arguments.sheet is not None:
+                titled = {title: lines for title, lines in groups.items() if lines}
+                path, head = arguments.sheet, (verdict, good)
+                sheet.write_sheet(path, given.stated, head, titled, result, settings)
     return int(not met)
+
+
+def _check_paths(arguments: argparse.Namespace) -> None:
+    if arguments.sheet is not None:
+        check_file(arguments.sheet, "--sheet", ["html"])
+        check_picture(arguments.sheet.with_suffix(".png"), "--sheet")
+    if arguments.plot is not None:
+        check_picture(arguments.plot)
+    for option in ("sheet", "plot"):
+        if getattr(arguments, option) is not None and arguments.device is None:
+            raise ValueError(f"--{option} needs --device FILE")
+
+
+def _words_of(required: float | None, drawn: "Yield", *, kept: bool) -> str:
+    """Return if the yield of --require is met, and why not; empty without."""
+    if required is None:
+        return ""
+    faults = ["the yield is too low"] * (drawn.low < required) + ["a limit is exceeded"] * (
+        not kept
+    )
+    met = "met" if not faults else f"not met, as {' and '.join(faults)}"
+    return f"{100.0 * required:.4g} %: {met}"
 
 
 def _without_need(words: str, *, as_json: bool) -> int:
@@ -169,15 +202,9 @@ def headline(
     result: "Assessment", drawn: "Yield | Check | None", limits: "Sequence[LimitResult]" = ()
 ) -> str:
     """Return the verdict on a device at its stated values, and within its tolerances."""
-    words = f"{'' if result.reliable else 'not '}reliable at the stated values"
-    if result.depends_on_base:
-        words = "depends on the base: measure it"
-    good = [str(each.approach) for each in result.approaches if each.reliable]
-    if result.approaches and not result.reliable:
-        which = f"only with the approach {'; '.join(good)}" if good else "with no approach tried"
-        words = f"reliable {which}" + (", and it depends on the base" * result.depends_on_base)
-    elif result.approaches:
-        words = f"{words}, whatever the approach"
+    from vibralign.answers.sheet import verdict_words  # noqa: PLC0415  (as in _assess)
+
+    words = verdict_words(result)
     exceeds, drawn_exceed = (exceeded_words(limits, only_drawn=only) for only in (False, True))
     if exceeds:
         words += f", {'but' if result.reliable else 'and'} {exceeds}"
@@ -199,7 +226,7 @@ def _required(
     required = number("require", arguments.require)
     if not 0.0 < required < 1.0:
         raise ValueError(f"require = {arguments.require}: must be between 0 and 1")
-    if stated is None or not stated.tolerances:
+    if stated is None or not (stated.tolerances or stated.unknown):
         raise ValueError("--require needs a device with tolerances, such as friction: 0.15 ± 0.05")
     return required, devices
 
@@ -225,202 +252,53 @@ def _drawn(
     return drawn, yields.nearest_failing(stated, results, cases)
 
 
-def _verdict(
-    result: "Assessment",
-    units: Units | None,
-    device: Parameters,
-    settings: "Settings",
-) -> list[str]:
-    verb = SUCCESS_TEXT[settings.success]
-    starts = f"{verb} from {result.aligned} of {result.starts} starts"
-    together = result.starts == sum(base.starts for base in result.bases)  # none is stated
-    if together:
-        starts += f", on {len(result.bases)} bases together"
-    lines = [_line("starts", starts)]
-    if result.aligned:
-        by = "by start and base" if together else "by the start"
-        times = si.range_words(result.tau_best, result.tau_worst, TIME, units)
-        lines.append(_line("alignment time", f"{times}, {by}"))
-        if result.inserted[0] == result.inserted[0]:  # no NaN
-            lines.append(_line("inserted after", si.range_words(*result.inserted, TIME, units)))
-    fewest, most = result.separations
-    hops = f"{fewest} to {most}" if fewest != most else str(fewest)
-    if most:
-        speed = si.in_words(result.impact_speed, SPEED, units)
-        landed = f"touches down at up to {speed}" if result.impact_speed else "touches down no more"
-        hops = f"{hops}; {landed}"
-    lines.append(_line("lift-offs", hops))
-    force = si.in_words(result.contact_force_max, FORCE, units)
-    tilt = si.in_words(result.tilt_max, ANGLE, units)
-    lines.append(_line("at most", f"contact force {force}, tilt {tilt}, over all starts"))
-    lines.append(_line("  of the force", forces_words(result.forces, units, settings)))
-    lines += lever_words(device, settings, units)
-    lines += wall_words(device, settings, result.tilt_max, units)
-    if result.if_square is not None:
-        words = f"{verb} from {result.if_square.aligned} of {result.if_square.starts} starts"
-        if result.if_square.aligned:
-            ends = result.if_square.tau_best, result.if_square.tau_worst
-            words += f", aligned in {si.range_words(*ends, TIME, units)}"
-        lines.append(_line("if it is square", words))
-    if result.bases:
-        head = f"contact stiffness, impact, starts from which it {verb}, alignment time:"
-        lines += [head, *in_columns([_base_row(base, units) for base in result.bases])]
-        lines.append(_line("stiff bases", _stiff_bases(result, units)))
-    if result.approaches:
-        lines.append(f"approach, cases in which it {verb}, alignment time, largest force by base:")
-        lines += in_columns([_approach_row(each, units) for each in result.approaches])
-    if result.tilts:
-        lines.append(f"gripper's tilt, starts from which it {verb}, alignment time:")
-        lines += in_columns([_tilt_row(each, units) for each in result.tilts])
-    lines += [si.natural_words(device, units), unvibrated_words(device, settings)]
-    if result.failing_start is not None:
-        start = ", ".join(f"{name} = {value:.4g}" for name, value in result.failing_start.items())
-        if result.failing_approach is not None:
-            start = f"{result.failing_approach}: {start}"
-        lines += [_line("for example", start), _line("cause", result.cause)]
-    return lines
-
-
-def _approach_row(at: "ApproachVerdict", units: Units | None) -> tuple[str, ...]:
-    times = si.range_words(at.tau_best, at.tau_worst, TIME, units) if at.aligned else "-"
-    if at.by_press:
-        times += f" ({at.by_press} by the press alone)"
-    force = si.range_words(at.force_least, at.force_most, FORCE, units)
-    return str(at.approach), f"{at.aligned} of {at.starts}", times, force
-
-
-def _tilt_row(at: "TiltVerdict", units: Units | None) -> tuple[str, ...]:
-    times = si.range_words(at.tau_best, at.tau_worst, TIME, units) if at.aligned else "-"
-    return si.si_words(at.tilt, ANGLE), f"{at.aligned} of {at.starts}", times
-
-
-def _base_row(base: "BaseVerdict", units: Units | None) -> tuple[str, ...]:
-    impact = "its own damping"
-    if base.restitution is not None:
-        impact = f"restitution {base.restitution:g}"
-    times = si.range_words(base.tau_best, base.tau_worst, TIME, units) if base.aligned else "-"
-    stiffness = si.in_words(base.contact_stiffness, STIFFNESS, units)
-    ratio = f"({base.contact_stiffness:,.0f} × axial)"
-    return stiffness, ratio, impact, f"{base.aligned} of {base.starts}", times
-
-
-def _stiff_bases(result: "Assessment", units: Units | None) -> str:
-    stiffest = result.bases[-1].contact_stiffness
-    rigid, decided = (
-        f"from {si.in_words(each, STIFFNESS, units)} on" if each and each < stiffest else None
-        for each in (result.rigid_from, result.decided_from)
-    )
-    if rigid:
-        return f"neither verdict nor time changes {rigid} (2 %)"
-    if decided is None:
-        return "the verdict still changes at the stiffest"
-    return (
-        f"the verdict does not change {decided}; the time changes by "
-        f"{100.0 * result.last_change:.2g} % over the last step of stiffness"
-    )
-
-
-def _advice(result: "Assessment", value: Callable[[str, float], str]) -> list[str]:
-    if result.failing_start is None:
-        return []
-    lines = []
-    if result.worst is not None:
-        lines.append(f"with the approach on which most cases fail ({result.worst}):")
-    if result.change:
-        words = " and ".join(f"{name} to {value(name, v)}" for name, v in result.change.items())
-        borders = [{each.parameter: v} for each in result.nearest for v in (each.below, each.above)]
-        tried = "tried; 6 % further it is not" if result.change in borders else "tried"
-        lines = [_line("first to change", f"{words}: with it, it is reliable ({tried})")]
-    if not result.nearest:
-        words = "no single parameter makes it reliable within a factor of four"
-        return [*lines, words if lines else f"{words}, nor do two of those tried"]
-    lines.append("reliable instead, one parameter at a time, with")
-    return lines + in_columns([_nearest_row(each, value) for each in result.nearest])
-
-
-def _varied(result: "Assessment", value: Callable[[str, float], str]) -> list[str]:
-    ranges, lines = list(result.leeways), []
-    if result.worst is not None and (result.leeways or result.tilt_range):
-        lines.append(f"with the slowest approach ({result.worst}):")
-    if result.tilt_range is not None:
-        lines.append("goes in while the gripper holds it with one tilt (ends known to 0.005°),")
-        lines += in_columns([_leeway_row(result.tilt_range, value)])
-        ranges.append(result.tilt_range)
-    if result.leeways:
-        lines.append("stays reliable while, one parameter at a time (ends known to 0.4 %),")
-        lines += in_columns([_leeway_row(each, value) for each in result.leeways])
-    if any(each.ragged_below or each.ragged_above for each in ranges):
-        lines.append("  ragged: values that fail lie among values that hold; keep well inside")
-    return lines
-
-
-def _leeway_row(leeway: "Leeway", words: Callable[[str, float], str]) -> tuple[str, ...]:
-    def end(
-        word: str, value: float, fails: float | None, further: str, *, late: bool, ragged: bool
-    ) -> str:
-        said = f"{word} {words(leeway.parameter, value)}"
-        if fails is None:
-            return f"{said} or {further}"
-        notes = ["by the horizon"] * late
-        notes += [f"ragged: {words(leeway.parameter, fails)} fails"] * ragged
-        return f"{said} ({', '.join(notes)})" if notes else said
-
-    low = end("from", leeway.low, leeway.fails_below, "less",
-              late=leeway.late_below, ragged=leeway.ragged_below)  # fmt: skip
-    high = end("to", leeway.high, leeway.fails_above, "more",
-               late=leeway.late_above, ragged=leeway.ragged_above)  # fmt: skip
-    return leeway.parameter, low, high, f"its value {words(leeway.parameter, leeway.value)}"
-
-
-def _nearest_row(nearest: "Nearest", words: Callable[[str, float], str]) -> tuple[str, ...]:
-    ends = [
-        f"{words(nearest.parameter, end)} or a little {word}"
-        for end, word in ((nearest.below, "less"), (nearest.above, "more"))
-        if end is not None
-    ]
-    own = words(nearest.parameter, nearest.value)
-    return nearest.parameter, ", or ".join(ends), f"its value {own}"
-
-
-def _value(parameter: str, value: float, stated: "StatedDevice | None", units: Units | None) -> str:
-    """Return a value of a device in words; with --dimensionless, without ``units``, in its own."""
-    quantity = si.quantity_of(parameter)
-    if stated is not None and units is not None:
-        return si.written_words(parameter, value, stated)
-    if stated is None:
-        return si.in_words(value, quantity, None)
-    return si.in_words(value / stated.units.of(quantity), quantity, None)
-
-
 def _record(result: "Assessment", units: Units | None) -> dict[str, Any]:
     """Return the assessment for --json, in SI units for a device with ``units``."""
-    record = asdict(result) | {
+    from vibralign.answers.sheet import texts, value_words  # noqa: PLC0415  (as in _assess)
+
+    shown = {n: v for n, v in vars_of(result).items() if n not in ("device", "settings")}
+    shown["leeways"], shown["nearest"] = (
+        [asdict(each) | {"as_stated": texts(result, each)} for each in shown[name]]
+        for name in ("leeways", "nearest")
+    )
+    ranged, square = result.tilt_range, result.if_square
+    named = {n: value_words(result, n, v) for n, v in result.change.items()}
+    approaches = {n: getattr(result, n) for n in ("failing_approach", "worst")}
+    return {
+        "units": "1" if units is None else "SI",
+        "needs_alignment": True,
+        **shown,
+        **_times(result, units),
+        "contact_force_max": result.contact_force_max * si.scale(units, FORCE),
+        "forces": {place: each * si.scale(units, FORCE) for place, each in result.forces.items()},
+        "inserted": [each * si.scale(units, TIME) for each in result.inserted],
+        "impact_speed": result.impact_speed * si.scale(units, SPEED) or None,  # it never lands
         "reliable": result.reliable,
         "depends_on_base": result.depends_on_base,
-        "rigid_from": result.rigid_from,
-    }
-    record["tilts"] = [each._asdict() for each in result.tilts]
-    record["approaches"] = [
-        {**each._asdict(), "approach": each.approach._asdict()} for each in result.approaches
-    ]
-    for name in ("failing_approach", "worst"):
-        approach = getattr(result, name)
-        record[name] = approach and approach._asdict()
-    time, stiffness = si.scale(units, TIME), si.scale(units, STIFFNESS)
-    for each in (record, *record["bases"], *record["tilts"], *record["approaches"]):
-        for name in ("tau_best", "tau_worst"):
-            each[name] = time * each[name] if each["aligned"] else None
-    for each in record["bases"]:
-        each["contact_stiffness"] *= stiffness
-    force = si.scale(units, FORCE)
-    record["contact_force_max"] *= force
-    for each in record["approaches"]:
-        each["force_least"], each["force_most"] = (
-            force * each[name] for name in ("force_least", "force_most")
-        )
-    record["forces"] = {name: force * each for name, each in record["forces"].items()}
-    record["inserted"] = [time * each for each in record["inserted"]]
-    record["impact_speed"] = record["impact_speed"] * si.scale(units, SPEED) or None  # never lands
-    if record["rigid_from"] is not None:
-        record["rigid_from"] *= stiffness
-    return {"units": "1" if units is None else "SI", "needs_alignment": True, **record}
+        "rigid_from": result.rigid_from and result.rigid_from * si.scale(units, STIFFNESS),
+        "change_as_stated": named,
+        "tilt_range": ranged and asdict(ranged) | {"as_stated": texts(result, ranged)},
+        "if_square": square and _of_verdict(square, units),
+        **{n: [_of_verdict(each, units) for each in shown[n]]
+           for n in ("bases", "tilts", "approaches")},
+        **{n: each and each._asdict() for n, each in approaches.items()},
+    }  # fmt: skip
+
+
+def _times(found: "Assessment | Verdict", units: Units | None) -> dict[str, float | None]:
+    one = si.scale(units, TIME)
+    best, worst = (one * each if found.aligned else None for each in found.times)
+    return {"tau_best": best, "tau_worst": worst}
+
+
+def _of_verdict(found: "Verdict", units: Units | None) -> dict[str, Any]:
+    force, of = si.scale(units, FORCE), found.of
+    what: dict[str, Any] = {"tilt": of} if isinstance(of, float) else {}
+    if isinstance(of, Approach):
+        what = {"approach": of._asdict()}
+    elif hasattr(of, "contact_stiffness"):
+        stiffness = of.contact_stiffness * si.scale(units, STIFFNESS)
+        what = of._asdict() | {"contact_stiffness": stiffness}
+    counts = {"starts": found.starts, "aligned": found.aligned, "by_press": found.by_press}
+    forces = {"force_least": force * found.force_least, "force_most": force * found.force_most}
+    return what | counts | _times(found, units) | forces

@@ -30,6 +30,7 @@ from vibralign.commands.design_words import (
     so_far,
 )
 from vibralign.commands.files import check_file, check_picture, writing
+from vibralign.commands.known import design_in_part
 from vibralign.commands.program import add_command, add_json
 from vibralign.commands.progress import ProgressLine
 from vibralign.commands.tables import print_json
@@ -59,7 +60,9 @@ def add(commands: Any) -> None:
         "is farthest, then the fastest. It is checked as `vibralign assess` checks it; if it does "
         "not hold, the next best is. What limits it is then changed and tried, with as many runs "
         "again at most; an interrupt ends this part only. Interrupting the search prints the best "
-        "setting found so far, not checked, and writes nothing.",
+        "setting found so far, not checked, and writes nothing. If the file states ranges of what "
+        "is unknown: the setting that is reliable for most of what is possible, then the fastest, "
+        "and what knowing everything would add.",
         epilog="exit code: 0 a setting keeps the limits; 1 none of those tried does; 2 bad input",
     )
     add_model_options(parser, scene="insertion")
@@ -88,7 +91,9 @@ def _design(arguments: argparse.Namespace) -> int:
         _count(name, getattr(arguments, name), least)
         for name, least in (("generations", 1), ("population", 5), ("seed", 0))
     )
-    given = read_inputs(arguments)
+    given = read_inputs(arguments, known_in_part=True)
+    if given.stated is not None and given.stated.unknown:
+        return design_in_part(arguments, given)
     from vibralign.answers.design import Known, search, trials_of  # noqa: PLC0415  (only this command)
 
     assert given.stated is not None  # noqa: S101  (--device is given)

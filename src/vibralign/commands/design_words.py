@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from vibralign.answers.design import Design, Known, Limiting
     from vibralign.answers.design_changes import Change
     from vibralign.answers.design_trials import Trials
+    from vibralign.device import StatedDevice
 
 _line = "{:<23}{}".format
 
@@ -82,7 +83,8 @@ def report(answer: Answer) -> list[str]:
     if answer.assessed.change:
         words = f"{named_words(answer.assessed.change, stated)}: with it, it is reliable (tried)"
         lines.append(_line("first to change", words))
-    words = f"{margin:.3g} tolerances away" if margin < 3.0 else "none within three tolerances"
+    words = f"with deviations of {margin:.3g} times the tolerances"
+    words = words if margin < 3.0 else "none within three times the tolerances"
     lines += [_line("nearest failure", words), *_largest(answer)]
     if "vibration" in design.limits:
         share, asked = tried.measures["vibration"][best], _asked(design.limits["vibration"])
@@ -207,7 +209,7 @@ def record(answer: Answer, changes: Changes) -> dict[str, Any]:
         "feasible": design.feasible,
         "verdict": answer.verdict,
         "cause": answer.assessed.cause,
-        **_setting_record(design),
+        **_setting_record(design, answer.trials.stated),
         "yield": float(design.tried.share[design.best]),
         "yield_interval": design.interval,
         "yield_confidence": CONFIDENCE,
@@ -216,7 +218,7 @@ def record(answer: Answer, changes: Changes) -> dict[str, Any]:
         "limiting": [each._asdict() for each in design.limiting],
         "changes": [
             {**each.of._asdict(), "better": each.better, "value": each.value}
-            | _setting_record(each.design)
+            | _setting_record(each.design, answer.trials.stated)
             for each in changes.tried
         ],
         "not_tried": [_change_words(answer, each) for each in changes.left],
@@ -226,7 +228,9 @@ def record(answer: Answer, changes: Changes) -> dict[str, Any]:
     }
 
 
-def _setting_record(design: "Design") -> dict[str, Any]:
+def _setting_record(design: "Design", stated: "StatedDevice") -> dict[str, Any]:
     tried, best = design.tried, design.best
     measures = {name: float(values[best]) for name, values in tried.measures.items()}
-    return {"setting": design.setting, "margin": float(tried.margin[best]), **measures}
+    as_stated = {name: written_words(name, v, stated) for name, v in design.setting.items()}
+    margin = float(tried.margin[best])
+    return {"setting": design.setting, "setting_as_stated": as_stated, "margin": margin, **measures}

@@ -14,6 +14,18 @@ if TYPE_CHECKING:
 MEASURES = {"time": TIME, "contact_force": FORCE, "tilt": ANGLE}  # of runs
 
 
+def limit_rows(results: "Sequence[LimitResult]") -> list[tuple[str, str]]:
+    """Return the row of the sheet on all limits; none without limits."""
+    words = [
+        f"{each.name} {_value(each, each.itself)} {_against(each)}"
+        if each.exceeding is None
+        else f"{each.name} {_value(each, each.exceeding)} {_against(each)}: exceeded"
+        for each in results
+    ]
+    kept = "all kept: " if all(each.exceeding is None for each in results) else ""
+    return [("limits", f"{kept}{', '.join(words)}")] if results else []
+
+
 def limit_lines(results: "Sequence[LimitResult]") -> list[str]:
     """Return a line on every limit; none without limits."""
     if not results:
@@ -38,7 +50,8 @@ def exceeded_words(results: "Sequence[LimitResult]", *, only_drawn: bool) -> str
 
 
 def _against(result: "LimitResult") -> str:
-    return f"against {_limit(result)}" if result.name == "vibration" else f"> {_limit(result)}"
+    sign = ">" if result.exceeding is not None else "of"
+    return f"against {_limit(result)}" if result.name == "vibration" else f"{sign} {_limit(result)}"
 
 
 def _limit(result: "LimitResult") -> str:

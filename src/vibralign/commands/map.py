@@ -77,17 +77,23 @@ def _map(arguments: argparse.Namespace) -> int:
     check_file(arguments.out, "--out", ["nc"])
     if arguments.plot is not None:
         check_picture(arguments.plot)
-    sweep, assumed = _sweep(arguments)
+    given = read_inputs(arguments)
+    sweep, assumed = _sweep(arguments, given)
     announce_compilation()
     # Imported here: half a second that only this command needs.
     from model.sweeps.io import write_dataset  # noqa: PLC0415
+    from model.sweeps.settings import Ensemble  # noqa: PLC0415
     from model.sweeps.sweep import merge, run  # noqa: PLC0415
+    from vibralign.answers.maps import in_every_case  # noqa: PLC0415
 
+    cores, (y, x) = os.cpu_count() or 1, sweep.swept
     with ProgressLine() as line:
         line.begin("nodes and starts")
-        parts = [run(sweep, cores=os.cpu_count() or 1)]
-    y, x = sweep.swept
-    dataset = merge(sweep, f"Area of stable alignment over {x} and {y}", parts)
+        parts = [run(sweep, cores=cores)]
+        dataset = merge(sweep, f"Area of stable alignment over {x} and {y}", parts)
+        line.begin("other approaches and bases")
+        device, settings = given.stated or given.parameters, given.settings
+        dataset = in_every_case(dataset, device, settings, Ensemble(), cores)
     known = until(sweep.settings.settings)
     dataset["contact_force_max"].attrs["comment"] = f"from the stated start, {known}"
     dataset = dataset.assign_attrs(assumptions=as_attribute(assumed))
@@ -102,9 +108,9 @@ def _map(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _sweep(arguments: argparse.Namespace) -> tuple["Sweep", dict[str, str]]:
+def _sweep(arguments: argparse.Namespace, given: Inputs) -> tuple["Sweep", dict[str, str]]:
     """Return the sweep of the map, and what it assumes."""
-    given, count = read_inputs(arguments), _count(arguments.resolution)
+    count = _count(arguments.resolution)
     from model.sweeps.settings import Ensemble  # noqa: PLC0415  (as in _map)
 
     starts = Ensemble()
@@ -191,6 +197,7 @@ def _report(dataset: "xr.Dataset") -> list[str]:
     if "reliable" in dataset:
         share, nodes = float(dataset["reliable"].mean()), dataset["reliable"].size
         starts = dataset["start_outcome"].size // nodes
-        words = f"{100.0 * share:.3g} % of {nodes:,} nodes, from each of {starts} starts"
+        cases = dataset["reliable"].attrs.get("comment", f"from each of {starts} starts")
+        words = f"{100.0 * share:.3g} % of {nodes:,} nodes, {cases}"
         rows.insert(1, ("reliable", words))
     return [f"{name:<15}{words}" for name, words in rows]

@@ -12,7 +12,8 @@ import os
 import re
 import sys
 import warnings
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import partial
 from typing import Any, NoReturn, TextIO
 
@@ -21,6 +22,20 @@ from vibralign.commands.files import WriteError
 from vibralign.doubts import DoubtWarning
 
 DONE, FAILED, REFUSED, INTERRUPTED = 0, 1, 2, 130
+# Commands and options of release 1, and what to write instead (docs/from-1-to-2.md).
+_GONE = {
+    "invalid choice: 'export'": "export is gone: `python -m study runs --json` has its numbers",
+    **{
+        f"vibralign: invalid choice: '{name}'": f"in a checkout it is `python -m study {name}`"
+        for name in ("runs", "show", "diff", "verify", "accept", "claims")
+    },
+    "arguments: --dimensionless": "vibralign.assess in Python returns dimensionless numbers",
+    "arguments: --invocations": "--invocations is --starts now",
+    **{
+        f"arguments: --{name}": f"--{name} is gone: filter what --json prints"
+        for name in ("parameter", "since", "until", "current")
+    },
+}
 
 
 def add_command(
@@ -60,6 +75,8 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Refuse in one line, without the usage."""
+        said = f"{self.prog}: {message.removeprefix('argument command: ')}"
+        message += "".join(f": {words}" for old, words in _GONE.items() if old in said)
         if "unrecognized arguments" in message and re.search(r"\.ya?ml\b", message):
             message += ": a device file follows --device"
         self.exit(REFUSED, f"{self.prog}: error: {message} (see {self.prog} --help)\n")
@@ -141,17 +158,26 @@ def _run(parser: Parser, argv: Sequence[str] | None) -> int:
     return code
 
 
-def parser_of(name: str, description: str, commands: Iterable[Any]) -> Parser:
-    """Return the parser of a program.
+@dataclass(frozen=True)
+class Program:
+    """A program: its name in messages, the first words of its help, and its commands.
 
-    Args:
-        name: the program, as messages name it.
-        description: first words of its help.
-        commands: modules whose function ``add`` adds commands to the parsers, in the help's order.
+    ``commands`` are modules whose function ``add`` adds commands, in the help's order.
     """
-    parser = Parser(prog=name, description=description, allow_abbrev=False)
-    parser.add_argument("--version", action="version", version=f"%(prog)s {version()}")
-    parsers = parser.add_subparsers(required=True, metavar="command", parser_class=Parser)
-    for command in commands:
-        command.add(parsers)
-    return parser
+
+    name: str
+    description: str
+    commands: Sequence[Any]
+
+    def parser(self) -> Parser:
+        """Return the parser of the program."""
+        parser = Parser(prog=self.name, description=self.description, allow_abbrev=False)
+        parser.add_argument("--version", action="version", version=f"%(prog)s {version()}")
+        parsers = parser.add_subparsers(required=True, metavar="command", parser_class=Parser)
+        for command in self.commands:
+            command.add(parsers)
+        return parser
+
+    def main(self, argv: Sequence[str] | None = None) -> int:
+        """Run a command of the program, by default that of this process; return its exit code."""
+        return run_program(self.parser(), argv)

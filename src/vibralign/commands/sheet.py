@@ -1,9 +1,12 @@
-"""The sheet of a device that ``vibralign assess --sheet`` writes."""
+"""What ``vibralign assess`` writes of a device: its page (--sheet) and its map (--plot)."""
 
 import os
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+
+import xarray as xr
 
 from model.runs.settings import Settings
 from model.runs.simulate import simulate_once
@@ -11,13 +14,19 @@ from model.sweeps.files import write_text
 from model.sweeps.settings import Ensemble, RunSettings
 from model.sweeps.sweep import merge, run
 from model.sweeps.version import version
+from vibralign.answers.assess import Assessment
 from vibralign.answers.assumptions import source_words
-from vibralign.answers.maps import QuantityAxis, map_of
+from vibralign.answers.leeways import ADDED, moved
+from vibralign.answers.maps import QuantityAxis, in_every_case, map_of
+from vibralign.answers.sheet import deciding
 from vibralign.device import StatedDevice
-from vibralign.plots.device_sheet import render
+from vibralign.doubts import DoubtWarning
+from vibralign.plots.device_sheet import device_map, render
+from vibralign.plots.style import write
 
-_AXES = ("tilt_stiffness", "press_force")  # of the map, where the file frees no two quantities
+_AXES = ("tilt_stiffness", "press_force")  # of the map, where no two quantities decide
 _SPAN = 2.5  # an axis is value / _SPAN to value * _SPAN, where the file states no range
+_STEPS = 10  # of a scan, to either side, where a value may be 0
 _COUNT = 33  # values along each side of the map
 _TOLERANCE = 1e-7  # least local error of a step
 
@@ -27,26 +36,48 @@ def write_sheet(
     stated: StatedDevice,
     verdict: tuple[str, bool],
     groups: Mapping[str, Sequence[str]],
+    result: Assessment,
     settings: Settings,
 ) -> None:
-    """Write the sheet of an assessed device: what ``assess`` prints, a map and a run.
+    """Write the page of an assessed device: what ``assess`` prints, a map and a run.
 
-    ``verdict`` is the headline, and whether it is good; ``groups`` are printed lines by title,
-    such as "Verdict" and "Leeways".
+    ``verdict`` is the headline, and whether it is good; ``groups`` are printed lines by title.
+    The map is over what the file leaves free, then over what decides.
     """
     settings = replace(settings, tolerance=max(settings.tolerance, _TOLERANCE))
-    names = dict.fromkeys((*stated.free, *_AXES))
-    x, y = (_axis(stated, name) for name in list(names)[:2])
-    sweep = map_of(stated, RunSettings.of(settings), (x, y), Ensemble())
-    title = f"Area of stable alignment over {x.parameter} and {y.parameter}"
-    dataset = merge(sweep, title, [run(sweep, cores=os.cpu_count() or 1)])
+    lowered = stated.lowered(result.worst)
+    dataset = _map(stated, [*stated.free, *deciding(result)], result, settings)
     made_by = f"{source_words(stated)}; vibralign {version()}"
     course = simulate_once(stated.parameters, settings)
-    write_text(render(stated, verdict, groups, course, dataset, made_by), path)
+    write_text(render(lowered, verdict, groups, course, dataset, made_by), path)
+
+
+def write_plot(path: Path, stated: StatedDevice, result: Assessment, settings: Settings) -> None:
+    """Draw what goes in over the two quantities that decide, with the stated point."""
+    settings = replace(settings, tolerance=max(settings.tolerance, _TOLERANCE))
+    lowered = stated.lowered(result.worst)
+    write(device_map(lowered, _map(stated, deciding(result), result, settings)), path)
+
+
+def _map(
+    stated: StatedDevice, names: Sequence[str], result: Assessment, settings: Settings
+) -> xr.Dataset:
+    """Return a map over the first two of these quantities, without doubts of its far ends."""
+    x, y = (_axis(stated, name) for name in list(dict.fromkeys((*names, *_AXES)))[:2])
+    ensemble, cores = Ensemble(), os.cpu_count() or 1
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DoubtWarning)
+        lowered = stated.lowered(result.worst)
+        sweep = map_of(lowered, RunSettings.of(settings), (x, y), ensemble)
+    title = f"What goes in, over {x.parameter} and {y.parameter}"
+    found = merge(sweep, title, [run(sweep, cores=cores)])
+    return in_every_case(found, stated, settings, ensemble, cores)
 
 
 def _axis(stated: StatedDevice, name: str) -> QuantityAxis:
     """Return an axis of the map, in SI units."""
     value = {**stated.values, **stated.quantities}[name]
     low, high = stated.free.get(name, (value / _SPAN, value * _SPAN))
+    if name in ADDED:
+        low, high = (moved(name, value, steps) for steps in (-_STEPS, _STEPS))
     return QuantityAxis(parameter=name, start=low, stop=high, count=_COUNT)

@@ -24,7 +24,7 @@ from vibralign.answers.assumptions import assumptions, lines_of
 from vibralign.answers.forces import forces_words, tip_record, until
 from vibralign.answers.lever import lever_record, lever_words, wall_words
 from vibralign.answers.reliability import FORCES
-from vibralign.answers.si import in_words, natural_record, natural_words
+from vibralign.answers.si import in_words, natural_record, natural_words, rounded
 from vibralign.commands.arguments import (
     Inputs,
     add_model_options,
@@ -79,7 +79,8 @@ def _simulate(arguments: argparse.Namespace) -> int:
         lines += lever_words(parameters, settings, units)
         lines += wall_words(parameters, settings, run.tilt_max, units)
         lines.append(natural_words(parameters, units))
-        lines += [unvibrated_words(parameters, settings), *lines_of(assumed)]
+        lines.append(f"without vibration: {unvibrated_words(parameters, settings)}")
+        lines += lines_of(assumed)
         if units and arguments.dimensionless:
             one = f"one is {units.time:.4g} s, {units.amplitude:.4g} m, {units.force:.4g} N"
             lines += ["", "dimensionless:", *_report(run, None, settings, into)[1:], one]
@@ -137,12 +138,12 @@ def _report(run: Trajectory, units: Units | None, settings: Settings, into: str)
     aligned = not math.isnan(run.tau_align)
     rows = [("outcome", f"{_name(run.outcome)}: {run.message}")]
     if run.outcome not in SUCCESSES:
-        from vibralign.answers.causes import STICKS  # noqa: PLC0415  (of failures only)
+        from vibralign.answers.causes import waits_in_vain, way_of  # noqa: PLC0415  (of failures only)
 
-        sticks = run.outcome == Outcome.HORIZON_REACHED and run.sticking_share >= STICKS
-        words = "it sticks all the time, a longer horizon does not help: change "
-        words += "friction, press_force, amplitude or tilt_stiffness"
-        rows.append(("what to do", words if sticks else run.remedy))
+        words = f"it has come {rounded(100.0 * max(way_of(run), 0.0), 2)} % of the way and sticks "
+        words += f"{100.0 * run.sticking_share:.3g} % of the time, a longer horizon does not help: "
+        words += "change friction, press_force, amplitude or tilt_stiffness"
+        rows.append(("what to do", words if waits_in_vain(run) else run.remedy))
     duration = "none: it does not align"
     if aligned:
         error = _within(run.tau_align, run.tau_error)

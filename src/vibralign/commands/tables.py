@@ -28,11 +28,6 @@ def table(rows: Sequence[Mapping[str, Any]], columns: Sequence[str]) -> list[str
     ]
 
 
-def pairs(values: Mapping[str, Any]) -> list[str]:
-    """Return a line for each name with its value, the values in a column."""
-    return [line[2:] for line in in_columns([(name, cell(each)) for name, each in values.items()])]
-
-
 def cell(value: Any) -> str:
     """Return a value as a table shows it, the empty string for None."""
     if value is None:

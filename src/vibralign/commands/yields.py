@@ -31,27 +31,38 @@ def yield_words(drawn: "Yield | Check") -> str:
     return f"{share} ({low} to {high}, {100.0 * CONFIDENCE:.4g} % confidence)"
 
 
-def yield_report(
+def yield_rows(
     result: "Assessment",
     drawn: "Yield",
     failing: "FailingDevice | None",
     stated: "StatedDevice",
     required: str,
-    settings: "Settings",
-) -> list[str]:
-    """Return the lines on the yield; ``required`` says if that of --require is met."""
-    words = f"{yield_words(drawn)}: {drawn.going_in} of {drawn.devices} "
-    words += "devices within the tolerances go in from every start"
-    words += "" if stated.base_is_stated else ", on every base"
-    lines = [_line("yield", words)]
+) -> list[tuple[str, str]]:
+    """Return the rows of the sheet on the yield; ``required`` says if that of --require is met."""
+    words = f"{yield_words(drawn)}: {drawn.going_in:,} of {drawn.devices:,} "
+    words += "devices within the tolerances go in from every touch-down"
+    rows = [("yield", words + ("" if stated.base_is_stated else ", on every base"))]
     if drawn.inside:
         words = f"{drawn.inside} more start inside the hole, and are not counted"
-        lines.append(_line("inside", f"{words}: the method does nothing for them"))
+        rows.append(("inside", f"{words}: the method does nothing for them"))
     if drawn.impossible:
         words = f"{drawn.impossible} of these cannot be (no play, a negative friction or the like):"
-        lines.append(_line("impossible", f"{words} counted as not going in"))
+        rows.append(("impossible", f"{words} counted as not going in"))
     if required:
-        lines.append(_line("required", required))
+        rows.append(("required", required))
+    if drawn.blame:
+        rows.append(("to blame", drawn.blame))
+    if result.failing_start is None and failing is not None:
+        words = f"{si.named_words(failing.quantities, stated)}: with deviations of "
+        rows.append(("fails nearest", f"{words}{100.0 * failing.distance:.3g} % of the tolerances"))
+    return rows
+
+
+def yield_lines(
+    drawn: "Yield", failing: "FailingDevice | None", stated: "StatedDevice", settings: "Settings"
+) -> list[str]:
+    """Return the detailed lines on the yield: times, forces, indices, the command that fails."""
+    lines = []
     times = [("alignment time", drawn.time, TIME, si.DIGITS)] if drawn.going_in else []
     if drawn.insertion[0] == drawn.insertion[0]:  # no NaN
         times.append(("inserted after", drawn.insertion, TIME, si.DIGITS))
@@ -67,25 +78,18 @@ def yield_report(
     if drawn.forces:
         words = forces_words(drawn.forces, None, settings, in_si=True)
         lines.append(_line("  at most", words))
-    if drawn.sobol_indices:
-        lines.append("which tolerance is to blame (total Sobol' indices; a dash: not known):")
+    if any(math.isfinite(each) for e in drawn.sobol_indices for each in (e.failure, e.time)):
+        lines.append("total Sobol' indices of the tolerances:")
         rows: list[tuple[str, ...]] = [("", "of failures", "of the spread of times")]
         rows += [(e.quantity, *map(_share, (e.failure, e.time))) for e in drawn.sobol_indices]
         lines += in_columns(rows)
-    if result.failing_start is not None:
-        lines.append(_line("fails nearest", "the device itself is not reliable"))
-    elif failing is None:
-        words = "no other of the devices drawn fails" if drawn.impossible else ""
-        lines.append(_line("fails nearest", words or "none of the devices drawn fails"))
-    else:
-        words = f"{si.named_words(failing.quantities, stated)}: fails at "
-        words += f"{100.0 * failing.distance:.3g} % of the tolerances"
-        lines += [_line("fails nearest", words), f"  {_command(failing, stated, settings)}"]
+    if failing is not None:
+        lines += ["the nearest that fails:", f"  {_command(failing, stated, settings)}"]
     return lines
 
 
 def _share(index: float) -> str:
-    return "–" if math.isnan(index) else f"{100.0 * index:.0f} %"
+    return "not known" if math.isnan(index) else f"{100.0 * index:.0f} %"
 
 
 def yield_record(

@@ -85,7 +85,8 @@ def read_amount(name: str, given: object, unit: str, frequency: float | None = N
             middle, half = f"{0.5 * (low + high):.6g}", f"{0.5 * (high - low):.6g}"
             raise reader.refusal(
                 f"is a range; state one value, or {f'{middle} ± {half} {unit}'.removesuffix(' 1')} "
-                "(ranges stand below free:)"
+                "if it varies from part to part; if nobody has measured it, put it below unknown: "
+                f"with the line `unknown: {{{name}: {given}}}`, if it may be chosen below free:"
             )
         return reader.amount(value)
     sign, width = spread

@@ -96,7 +96,8 @@ SOURCES: Mapping[str, tuple[str, ...]] = {
 }
 
 
-def pair_of(text: object) -> tuple[Material, Material]:
+@lru_cache(maxsize=64)
+def pair_of(text: str) -> tuple[Material, Material]:
     """Return the materials of part and base, stated such as "steel on aluminium".
 
     Raises:

@@ -1,4 +1,4 @@
-"""What data sheets state in place of parameters: diameter, length, play, natural frequencies.
+"""Quantities of data sheets in place of parameters: diameter, length, play, natural frequencies.
 
 The holder with its part is three oscillators (holder.py), each of which has the natural frequency
 f = √(k/m) / 2π and, at the damping ratio ζ, the damping h = 2ζ √(k m); in tilt with k_φ and I_φ.
@@ -84,6 +84,17 @@ SOURCES: Mapping[str, tuple[str, ...]] = {
 }
 
 
+def name_in(quantities: Iterable[str], parameter: str) -> str:
+    """Return by which name a file with these quantities states a parameter."""
+    stated = [name for name, each in INSTEAD.items() if each.parameter == parameter]
+    return next((name for name in stated if name in quantities), parameter)
+
+
+def parameter_of(name: str) -> str:
+    """Return the parameter that a quantity is, or is stated in place of."""
+    return INSTEAD[name].parameter if name in INSTEAD else name
+
+
 def with_parameters(quantities: Mapping[str, float]) -> dict[str, float]:
     """Return quantities in SI units, with parameters in place of those of ``INSTEAD``.
 
@@ -120,7 +131,7 @@ def replaced_by(changes: Iterable[str]) -> set[str]:
     names = set[str]()
     for each in changes:
         parameter = "clearance" if each == "fit" else each
-        parameter = INSTEAD[each].parameter if each in INSTEAD else parameter
+        parameter = parameter_of(parameter)
         names |= {parameter, *SOURCES.get(parameter, ())}
         names |= {"fit"} if parameter == "clearance" else set()
     return names - set(changes)

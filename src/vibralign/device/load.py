@@ -17,6 +17,7 @@ from vibralign.device.limits import read_limits
 from vibralign.device.mouth import as_parameters
 from vibralign.device.plausibility import DeviceError, NoNeedError, check_press
 from vibralign.device.stated import StatedDevice, amounts_of, by_quantity, kept_amplitude, unit_of
+from vibralign.device.unknown import SAMPLES, SECTION, read_unknown
 
 
 def load_device(path: Path | str, changes: Mapping[str, object] | None = None) -> StatedDevice:
@@ -37,6 +38,7 @@ def load_device(path: Path | str, changes: Mapping[str, object] | None = None) -
     replaced = replaced_by(changes) | ({SPEED} if changes.get(SPEED) == SUDDEN else set())
     mapping = {name: value for name, value in _mapping(path).items() if name not in replaced}
     try:
+        ranges, samples, mapping = _unknown(path, mapping, changes)
         at, now = _one_frequency(mapping), {**mapping, **changes}
         vibrator, sudden = read_start(with_changes(mapping, changes))
         amounts = amounts_of(mapping, at, _diameter(now))
@@ -54,6 +56,8 @@ def load_device(path: Path | str, changes: Mapping[str, object] | None = None) -
             sudden=sudden,
             stated_shape=mapping.get("shape"),
             notes=kept_amplitude(parts["quantities"], parts["written"], changes),
+            unknown=ranges,
+            samples=samples,
         )
         if mapping.get("shape") is not None:
             check_name(str(mapping["shape"]), get_args(Shape), "shape")
@@ -62,7 +66,8 @@ def load_device(path: Path | str, changes: Mapping[str, object] | None = None) -
         device(as_parameters(with_parameters(known)))
         stated.admitted({})
         _check_tolerances(stated)
-        _check_free(stated)
+        _check_ranges("free", stated.free, stated)
+        _check_ranges("unknown", stated.unknown, stated)
     except ValueError as error:
         needless = isinstance(error, NoNeedError)
         raise (NoNeedError if needless else DeviceError)(f"{path}: {error}") from None
@@ -89,6 +94,26 @@ def _mapping(path: Path) -> dict[str, Any]:
     if not isinstance(mapping, dict):
         raise DeviceError(f"{path}: must be lines of NAME: VALUE, one for each quantity")
     return {str(name): value for name, value in mapping.items()}
+
+
+def _unknown(
+    path: Path, mapping: Mapping[str, Any], changes: Mapping[str, object]
+) -> tuple[dict[str, Any], Path | None, dict[str, Any]]:
+    """Return the ranges of a file, the file of samples, and the lines with the ranges' middles."""
+    others = {n: v for n, v in mapping.items() if n not in (SECTION, SAMPLES)}
+    free = dict(_section("free", mapping))
+    given = _section(SECTION, mapping)
+    blank = {name for name, _ in given} | replaced_by(name for name, _ in given)
+    others = {n: v for n, v in others.items() if v is not None or n not in blank}
+    ranges, middles = read_unknown(given, others, free, changes, unit_of)
+    samples = None
+    if mapping.get(SAMPLES) is not None:
+        samples = path.parent / _text(SAMPLES, mapping)
+        if not samples.is_file():
+            raise ValueError(f"{SAMPLES}: {samples}: is not there: run vibralign calibrate again")
+        if not ranges:
+            samples = None
+    return ranges, samples, others | middles
 
 
 def _one_frequency(mapping: Mapping[str, Any]) -> float | None:
@@ -141,12 +166,14 @@ def _check_tolerances(stated: StatedDevice) -> None:
         raise ValueError(f"at the ends of the tolerances: {error}") from None
 
 
-def _check_free(stated: StatedDevice) -> None:
+def _check_ranges(
+    section: str, ranges: Mapping[str, tuple[float, float]], stated: StatedDevice
+) -> None:
     """Refuse ranges with an end that breaks the rule of its quantity."""
-    for name, ends in stated.free.items():
+    for name, ends in ranges.items():
         for end in ends:
             try:
                 check_press(end if name == "press_force" else 1.0)
                 stated.at({name: end})
             except ValueError as error:
-                raise ValueError(f"free: {error}") from None
+                raise ValueError(f"{section}: {error}") from None

@@ -25,6 +25,7 @@ from vibralign.device.amounts import read_positive
 from vibralign.device.load import load_device
 from vibralign.device.mouth import judged
 from vibralign.device.stated import QUANTITIES, StatedDevice
+from vibralign.device.unknown import refusal
 
 Device = Parameters | StatedDevice
 AnyDevice = Device | Path | str
@@ -38,6 +39,7 @@ def device_of(given: object) -> Device:
     Raises:
         TypeError: no device; a list is not one.
         DeviceError: as ``load_device``.
+        ValueError: quantities are unknown.
     """
     if isinstance(given, (str, Path)):
         given = load_device(given)
@@ -47,6 +49,10 @@ def device_of(given: object) -> Device:
             f"{type(given).__name__}"
         )
     if isinstance(given, StatedDevice):
+        if given.unknown:
+            one = next(iter(given.unknown))
+            instead = f"give them with changed({one}=...), or ask known_in_part and calibrate"
+            raise refusal(given.source, given.unknown, instead)
         given.warn()
     return given
 

@@ -44,6 +44,7 @@ from vibralign.device.plausibility import (
     check_press,
     doubts,
 )
+from vibralign.device.unknown import Range
 from vibralign.doubts import DoubtWarning
 
 _OWN = {**{n: each for n, each in FIELDS.items() if n not in REPLACED}, **UNITS, **MOUTH}
@@ -73,6 +74,8 @@ class StatedDevice(Value):
         notes: lines on words of the file that ``changes`` may have made mean something else.
         written: the unit in which a quantity is stated, such as "mm p-p", and its size in SI units;
             of those that are stated with one.
+        unknown: ranges of what nobody has measured; ``quantities`` has their middles.
+        samples: file of what trials leave possible of these, or None.
     """
 
     source: Path
@@ -89,6 +92,8 @@ class StatedDevice(Value):
     insertion_depth: float | None = None
     notes: tuple[str, ...] = ()
     written: Mapping[str, tuple[str, float]] = field(default_factory=dict)
+    unknown: Mapping[str, Range] = field(default_factory=dict)
+    samples: Path | None = None
 
     def __repr__(self) -> str:
         changes = "".join(f", {name}={value}" for name, value in self.changes.items())
@@ -187,7 +192,7 @@ class StatedDevice(Value):
 
     @property
     def stated_start(self) -> dict[str, float | str]:
-        """What states its start, as ``changed`` takes it."""
+        """Quantities that state its start, as ``changed`` takes them."""
         speed = SUDDEN if self.sudden else self.quantities.get(SPEED)
         stated = {SPEED: speed, "vibrator": self.vibrator}
         return {name: each for name, each in stated.items() if each is not None}
@@ -216,7 +221,8 @@ class StatedDevice(Value):
         all_changes: dict[str, object] = {**self.changes, **changes}
         kept = kept_amplitude(self.quantities, self.written, changes)
         notes = tuple(dict.fromkeys([*self.notes, *kept]))
-        merged |= {"vibrator": vibrator, "sudden": sudden}
+        unknown = {n: v for n, v in self.unknown.items() if n not in {*replaced, *changes}}
+        merged |= {"vibrator": vibrator, "sudden": sudden, "unknown": unknown}
         return replace(self, **merged, materials=materials, changes=all_changes, notes=notes)
 
     def run_settings(self, settings: Settings, units: Units) -> Settings:

@@ -6,7 +6,6 @@ Values are in the page's units: SI for a device of a file, else dimensionless.
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from itertools import product
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -159,7 +158,8 @@ def page_model(
         "baseline": baseline,
         "outcomes": {int(each): text for each, text in OUTCOME_TEXT.items()},
         "reasons": {int(each): text for each, text in REASON_TEXT.items()},
-        "remedies": {f"{o:d},{r:d}": remedy(o, r) for o, r in product(Outcome, Reason)},
+        "remedies": {int(each): remedy(each, Reason.NONE) for each in Outcome},
+        "remedies_of_reasons": {int(each): words for each, words in _remedies_of_reasons()},
         "events": [_event_words(each) for each in interface["events"]],
         "unvibrated": {int(each): text for each, text in UNVIBRATED_TEXT.items()},
         "panels": [_panel(panel, units) for panel in _PANELS],
@@ -168,6 +168,13 @@ def page_model(
         "on_flank": int(Reason.ON_FLANK),
         "forces_known": until(replace(settings, scene=INSERTION) if inserts else settings),
     }
+
+
+def _remedies_of_reasons() -> list[tuple[Reason, str]]:
+    """Return the remedies of reasons that have one whatever the outcome."""
+    usual = remedy(Outcome.LEFT_SCENE, Reason.NONE)
+    each = [(reason, remedy(Outcome.LEFT_SCENE, reason)) for reason in Reason]
+    return [(reason, words) for reason, words in each if words != usual]
 
 
 def _panel(panel: Mapping[str, str], units: Units | None) -> dict[str, Any]:

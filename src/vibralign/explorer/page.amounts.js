@@ -7,6 +7,14 @@
  *   bound: string, derived: string | null, least: number, most: number, first: boolean}} Parameter
  */
 
+const NUMBER = /^([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*)$/;
+
+/** Return the number that a text is, written as the commands take it; else null. @param {string} text */
+function numberOf(text) {
+  const read = NUMBER.exec(text.trim());
+  return read && read[2] === "" ? Number(read[1]) : null;
+}
+
 /** Return the message on a value that breaks its rule, else "". @param {Parameter} parameter @param {number} value */
 function fault(parameter, value) {
   if (Number.isNaN(value) && parameter.derived) return "";
@@ -22,7 +30,7 @@ function readAmount(parameter, text) {
   const { name, unit, derived } = parameter, given = text.trim().replace("−", "-");
   const refused = (/** @type {string} */ message) => ({ value: NaN, message: `${name} = ${given || "(empty)"}: ${message}` });
   if (derived && (given === "" || given === "none")) return { value: NaN, message: "" };
-  const read = /^([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*)$/.exec(given);
+  const read = NUMBER.exec(given);
   if (!read) return refused(parameter.rule);
   if (read[2] !== "" && read[2] !== unit) return refused(unit ? `must be a number in ${unit}` : "must be a number without a unit");
   const value = inOne(Number(read[1]), parameter.one), message = fault(parameter, value);

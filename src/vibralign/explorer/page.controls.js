@@ -12,6 +12,10 @@ function makeControls() {
     element(each.first ? "first" : "more").append(row);
     const [slider, box] = [element(`s-${each.name}`), element(`p-${each.name}`)];
     if (each.derived) box.placeholder = `as ${parameters[each.derived].symbol}`;
+    let held = { state, entered, refusal };
+    slider.addEventListener("pointerdown", () => { held = { state, entered, refusal }; });
+    // A finger that scrolls from here has moved the slider.
+    slider.addEventListener("pointercancel", () => { ({ state, entered, refusal } = held); follow(); });
     slider.addEventListener("input", () => take({ [each.name]: textOf(each, Number(slider.value)) }));
     box.addEventListener("change", () => take({ [each.name]: box.value }));
   }
@@ -51,15 +55,26 @@ function writeControls() {
   element("compare").textContent = state.compared ? "Only one" : "Both";
   element("map-title").textContent = state.vibration ? "Where it aligns" : "Where it aligns without vibration";
   element("about").textContent = MODEL.presets[state.figure].words ?? "";
-  element("ignored").textContent = ignored.length ? `Ignored in the address: ${ignored.join("; ")}.` : "";
-  history.replaceState(null, "", hashOf(state, MODEL));
+  element("ignored").textContent = ignored.length ? `The address is not taken: ${ignored.join("; ")}.` : "";
 }
 
-/** Follow a change of the state. */
+const ADDRESS_PAUSE = 400; // ms
+let addressed = -ADDRESS_PAUSE, addressTimer = 0;
+/** Write the state into the address, not too often: browsers allow some three changes a second, and throw beyond. */
+function writeAddress() {
+  clearTimeout(addressTimer);
+  const pause = addressed + ADDRESS_PAUSE - performance.now();
+  if (pause > 0) { addressTimer = setTimeout(writeAddress, pause); return; }
+  addressed = performance.now();
+  try { history.replaceState(null, "", hashOf(state, MODEL)); } catch { addressTimer = setTimeout(writeAddress, 10 * ADDRESS_PAUSE); }
+}
+
+/** Follow a change of the state: the answer first, the address last. */
 function follow() {
   writeControls();
   rerun();
   remap();
+  writeAddress();
 }
 
 /** Take what fields say. What breaks a rule stays in its field with a message, and nothing is run. @param {Record<string, string>} texts */
@@ -80,10 +95,11 @@ function take(texts) {
   follow();
 }
 
-/** Take another state. @param {string} hash */
+/** Take the state of an address; one that is refused changes nothing. @param {string} hash */
 function open(hash) {
-  ({ state, ignored } = stateOf(hash, MODEL));
-  [entered, refusal] = [{}, ""];
+  const asked = stateOf(hash, MODEL);
+  ignored = asked.ignored;
+  if (!ignored.length) [state, entered, refusal] = [asked.state, {}, ""];
   follow();
 }
 
@@ -107,10 +123,15 @@ function save() {
   setTimeout(() => URL.revokeObjectURL(link.href), 60000);
 }
 
-/** Follow the pointer while it is pressed. @param {any} canvas @param {(event: PointerEvent) => void} point */
+/** Follow the pointer while it is pressed; a finger taps, since it scrolls where it is moved. @param {any} canvas @param {(event: PointerEvent) => void} point */
 function drag(canvas, point) {
-  canvas.addEventListener("pointerdown", (/** @type {PointerEvent} */ event) => { canvas.setPointerCapture(event.pointerId); point(event); });
-  canvas.addEventListener("pointermove", (/** @type {PointerEvent} */ event) => { if (event.buttons) point(event); });
+  let finger = false;
+  canvas.addEventListener("pointerdown", (/** @type {PointerEvent} */ event) => {
+    finger = event.pointerType === "touch";
+    if (!finger) { canvas.setPointerCapture(event.pointerId); point(event); }
+  });
+  canvas.addEventListener("pointermove", (/** @type {PointerEvent} */ event) => { if (!finger && event.buttons) point(event); });
+  canvas.addEventListener("click", (/** @type {PointerEvent} */ event) => { if (finger) point(event); });
 }
 
 function listen() {
@@ -123,7 +144,7 @@ function listen() {
   element("vibration").addEventListener("click", () => { state.vibration = !state.vibration; follow(); });
   element("compare").addEventListener("click", () => { state.compared = !state.compared; follow(); });
   element("preset").addEventListener("change", () => { time = 0; open(`#figure=${element("preset").value}`); });
-  element("link").addEventListener("click", () => copy(location.href, "Link copied:"));
+  element("link").addEventListener("click", () => copy(`${location.href.split("#")[0]}${hashOf(state, MODEL)}`, "Link copied:"));
   element("command").addEventListener("click", () => copy(commandOf(state, MODEL), "Command copied:"));
   element("save").addEventListener("click", save);
   const plots = element("plots"), canvas = element("map");
@@ -146,6 +167,6 @@ function listen() {
     if (event.key === "ArrowRight") stepEvent(1);
     if (event.key === "ArrowLeft") stepEvent(-1);
   });
-  addEventListener("hashchange", () => open(location.hash));
+  addEventListener("hashchange", (event) => open(new URL(event.newURL).hash)); // the page may have written another since
   addEventListener("resize", () => { drawRun(); drawWholeMap(); });
 }

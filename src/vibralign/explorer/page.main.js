@@ -198,7 +198,7 @@ function seek(to) {
 function play(on) {
   playing = on && run !== null;
   element("play").textContent = playing ? "Pause" : "Play";
-  if (!playing) { state.time = time > 0 ? time : null; history.replaceState(null, "", hashOf(state, MODEL)); return; }
+  if (!playing) { state.time = time > 0 ? time : null; writeAddress(); return; }
   if (time >= lastTime()) time = 0;
   lastFrame = 0;
   requestAnimationFrame(advance);
@@ -268,6 +268,7 @@ async function start() {
     }
     remap();
   }
+  writeAddress();
   Object.assign(window, { explorer: { measured, get state() { return state; }, get run() { return run; }, get map() { return map; }, seek } });
   if (!state.time && !matchMedia("(prefers-reduced-motion: reduce)").matches) play(true);
 }

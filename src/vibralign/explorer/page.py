@@ -7,6 +7,7 @@ import base64
 import gzip
 import html
 import json
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -44,13 +45,13 @@ def build_page(model: Mapping[str, Any], module: Module | None) -> str:
         "footer": html.escape(model["footer"]),
         "unscripted": _unscripted(model),
         "style": _text("page.css"),
-        "model": stated.replace("</", "<\\/"),
+        "model": stated.replace(
+            "<", "\\u003c"
+        ),  # no name of a file ends the script, or hides its end
         "script": "\n".join(_text(f"page.{name}.js") for name in SCRIPTS),
     }
-    page = _text("page.html")
-    for name, text in parts.items():
-        page = page.replace(f"@{name}@", text)
-    return page
+    page = re.sub("@([a-z]+)@", lambda found: parts[found[1]], _text("page.html"))
+    return page.encode("utf-8", "backslashreplace").decode()  # a name may be no text
 
 
 def _unscripted(model: Mapping[str, Any]) -> str:

@@ -53,7 +53,7 @@ function judged(results, values) {
   return tilt > steepest || results.side_force_max > 0 ? { ...results, outcome: LEFT_SCENE, reason: MODEL.on_flank, tau_align: NaN } : results;
 }
 
-/** Return the state that an address asks for, and what of the address is ignored, in words. @param {string} hash @param {any} model @returns {{state: State, ignored: string[]}} */
+/** Return the state that an address asks for, or the first one and why the address is not taken, in words. @param {string} hash @param {any} model @returns {{state: State, ignored: string[]}} */
 function stateOf(hash, model) {
   const asked = new URLSearchParams(hash.replace(/^#/, ""));
   const ignored = /** @type {string[]} */ ([]);
@@ -70,23 +70,26 @@ function stateOf(hash, model) {
   for (const parameter of model.parameters) {
     const text = asked.get(parameter.name);
     if (text === null) continue;
-    const value = text.trim() === "" || text === "none" ? NaN : Number(text), message = fault(parameter, value);
+    const value = numberOf(text), message = value === null && text !== "none" ? "must be a number" : fault(parameter, value ?? NaN);
     if (message) ignored.push(`${parameter.name} = ${text || "(empty)"}: ${message}`);
-    else values[parameter.name] = value;
+    else values[parameter.name] = value ?? NaN;
   }
-  const message = misplaced(values, model.units), together = !message || Boolean(misplaced(start, model.units));
-  if (!together) ignored.push(message);
+  const message = misplaced(values, model.units);
+  if (message && !misplaced(start, model.units)) ignored.push(message);
   const view = ["figure", "x", "y", "vibration", "compared", "t"];
-  for (const key of new Set(asked.keys())) if (![...names, ...view].includes(key)) ignored.push(`${key}: is no parameter`);
-  const x = choice("x", names, preset.x), y = choice("y", names, preset.y), time = Number(asked.get("t") ?? NaN);
-  if (asked.get("t") !== null && !Number.isFinite(time)) ignored.push(`t = ${asked.get("t")}: must be a number`);
+  for (const key of new Set(asked.keys())) {
+    if (![...names, ...view].includes(key)) ignored.push(`${key}: is no parameter`);
+    else if (asked.getAll(key).length > 1) ignored.push(`${key}: is given twice`);
+  }
+  const x = choice("x", names, preset.x), y = choice("y", names, preset.y), time = numberOf(asked.get("t") ?? "0");
+  if (time === null) ignored.push(`t = ${asked.get("t")}: must be a number`);
   const state = {
-    figure, values: together ? values : start, x, y: y === x ? (x === preset.y ? preset.x : preset.y) : y,
+    figure, values, x, y: y === x ? (x === preset.y ? preset.x : preset.y) : y,
     spans: { x: preset.spans?.[x], y: preset.spans?.[y] },
     vibration: choice("vibration", ["on", "off"], "on") === "on", compared: choice("compared", ["on", "off"], "off") === "on",
-    time: Number.isFinite(time) ? Math.max(0, time / scaleOf(model.time, together ? values : start)) : null,
+    time: asked.has("t") ? Math.max(0, (time ?? 0) / scaleOf(model.time, values)) : null,
   };
-  return { state, ignored };
+  return { state: ignored.length ? stateOf("", model).state : state, ignored };
 }
 
 /** Return the values of a state that differ from others. @param {Record<string, number>} values @param {Record<string, number>} others */
@@ -130,6 +133,8 @@ function commandOf(state, model) {
 function deviceOf(state, model) {
   const lines = ["# Saved from the explorer; for vibralign simulate, assess and map --device."];
   lines.push(`shape: ${model.interface.shape}`);
+  const { start } = model.control, lowered = start === RUNNING || start === STILL;
+  lines.push(lowered ? `vibrator: ${start === STILL ? "still" : "running"}` : "approach_speed: sudden");
   const quantities = byName(model.parameters);
   for (const [name, value] of Object.entries(state.values)) {
     if (Number.isNaN(value)) continue;

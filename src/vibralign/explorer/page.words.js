@@ -83,7 +83,7 @@ function writeOutcome() {
   const from = MODEL.control.start === STILL ? "the onset of the vibration" : "the first touch";
   const counted = run && run.track.zero > 0 ? ` Its times count from ${from}, ${inTime(run.track.zero)} after the picture begins.` : "";
   element("words").textContent = `${ended[0].toUpperCase()}${ended.slice(1)}. ${aligned ? `${lifted} ` : ""}${forceWords(results)}${drawn}${counted}`;
-  element("remedy").textContent = good || !state.vibration ? "" : `What to do: ${MODEL.remedies[`${results.outcome},${results.reason}`]}.`;
+  element("remedy").textContent = good || !state.vibration ? "" : `What to do: ${MODEL.remedies_of_reasons[results.reason] ?? MODEL.remedies[results.outcome]}.`;
   const both = other && (state.vibration ? [results, other.results] : [other.results, results]);
   const dashed = state.compared ? ` Dashed: the run ${state.vibration ? "without" : "with"} vibration.` : "";
   element("beside").textContent = both && results.tau_align !== 0 ? comparisonWords(both[0], both[1], slow, state.vibration) + dashed : "";

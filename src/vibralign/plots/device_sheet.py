@@ -15,7 +15,7 @@ from matplotlib.patches import Polygon, Rectangle
 from model.physics.geometry import resting_height
 from model.physics.parameters import constants_of
 from model.runs.simulate import Trajectory
-from vibralign.answers.si import display, quantity_of
+from vibralign.answers.si import display, quantity_of, readable
 from vibralign.device import StatedDevice
 from vibralign.device.base import BASE
 from vibralign.device.mouth import MOUTH
@@ -56,7 +56,7 @@ def render(
     with style.context():
         pictures = {
             "device": _picture(_drawing(stated)),
-            "map": _picture(_map(stated, map_data)),
+            "map": _picture(device_map(stated, map_data)),
             "run": _picture(trajectory(run, stated.units)),
         }
     return (
@@ -127,15 +127,25 @@ def _drawing(stated: StatedDevice) -> Figure:
     return figure
 
 
-def _map(stated: StatedDevice, dataset: xr.Dataset) -> Figure:
+def device_map(stated: StatedDevice, dataset: xr.Dataset) -> Figure:
     """Draw the map of the device, with a cross at the device and a box of its tolerances."""
     figure = stability_map(dataset)
-    axes = figure.axes[0]
-    y, x = (str(name) for name in dataset["outcome"].dims)
-    own: Mapping[str, float] = {**stated.values, **stated.quantities}
-    tolerances = stated.tolerances
-    wide, high = (tolerances[n].around(own[n]) if n in tolerances else 0.0 for n in (x, y))
+    axes, drawn = figure.axes[0], readable(dataset)
+    values: Mapping[str, float] = {**stated.values, **stated.quantities}
+    y_name, x_name = map(str, dataset["outcome"].dims)
+    places = []
+    for name in (x_name, y_name):
+        one = float(drawn[name][-1] / dataset[name][-1])
+        own, tolerance = values[name], stated.tolerances.get(name)
+        wide = 0.0 if tolerance is None else tolerance.around(own)
+        places.append((one * (own - wide), one * 2.0 * wide, one * own))
+    (left, wide, x), (bottom, high, y) = places
     look: Any = {"fill": False, "edgecolor": style.VERMILLION, "linewidth": 1.5}
-    axes.add_patch(Rectangle((own[x] - wide, own[y] - high), 2 * wide, 2 * high, **look))
-    axes.plot(own[x], own[y], "P", color=style.VERMILLION, markersize=8)
+    axes.add_patch(Rectangle((left, bottom), wide, high, **look))
+    axes.plot(x, y, "P", color=style.VERMILLION, markersize=8, markeredgecolor="white")
+    for set_label, each in ((axes.set_xlabel, x_name), (axes.set_ylabel, y_name)):
+        unit = str(drawn[each].attrs["units"]).replace("radian", "rad")
+        set_label(f"{each.replace('_', ' ')} ({unit})".removesuffix(" (1)"))
+    start = f"lowered {stated.approaches()[0]}" if stated.approaches() else "sudden start"
+    axes.set_title(f"{stated.source.name}, {start}; cross: as stated, box: its tolerances")
     return figure

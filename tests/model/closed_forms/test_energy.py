@@ -15,10 +15,9 @@ import pytest
 
 from model.compile.entries import compiled
 from model.compile.kernels import kernel
-from model.compile.vector_code import WIDTH
 from model.engine import scheduling
 from model.engine.event_search import state_at
-from model.engine.lane_events import kind_of
+from model.engine.lane_events import kind_of_mode
 from model.engine.record import AT, STATE, constants_in, mode_of, state_in
 from model.engine.workspace import STEP_LENGTH
 from model.events.outcomes import Reason
@@ -103,9 +102,9 @@ def weigh(scene, lanes, control, memory, judged, nodes, weights, sums):
     w, runs = memory.w, memory.runs
     p, mode, time = constants_in(scene.events, judged), mode_of(runs, 0), runs[0, AT.time]
     memory.together[0] = 0
-    scheduling.step_together(lanes, kind_of(lanes, mode), 1, control, memory)
+    scheduling.step_together(lanes, kind_of_mode(lanes, mode), 1, control, memory)
     scheduling.pass_step(scene, lanes, control, memory, 0, 0)
-    whole, length = w[STEP_LENGTH * WIDTH], runs[0, AT.time] - time
+    whole, length = w[STEP_LENGTH, 0], runs[0, AT.time] - time
     for node in range(len(nodes)):
         theta, weight = nodes[node] * length, weights[node] * length
         q = state_at(theta / whole, w, 0)

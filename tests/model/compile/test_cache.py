@@ -3,8 +3,6 @@
 import errno
 import os
 import runpy
-import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
@@ -12,11 +10,10 @@ from typing import Any
 
 import pytest
 
-from model.compile import cache, identity
+from model.compile import cache
 from model.compile.entries import compiled
-from model.compile.identity import PACKAGE, OutsideError, digest_of
+from model.compile.identity import OutsideError, digest_of
 from model.compile.source import KernelError
-from model.engine.scheduling import integrate_all
 from model.physics.contacts import dot
 from tests.model.compile.conftest import Restart
 from tests.model.compile.sources import PRELUDE, load
@@ -48,20 +45,6 @@ def test_another_compiler_or_target_opens_another_folder(monkeypatch: pytest.Mon
     second = cache.compiler_fingerprint()
     monkeypatch.setattr(cache, "written_for", lambda: "another processor")
     assert len({first, second, cache.compiler_fingerprint()}) == 3
-
-
-@pytest.mark.usefixtures("folder")
-@pytest.mark.parametrize(
-    ("variable", "below"), [("VIBRALIGN_CACHE", ""), ("XDG_CACHE_HOME", "vibralign")]
-)
-def test_the_folder_can_be_moved(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, variable: str, below: str
-) -> None:
-    monkeypatch.delenv("VIBRALIGN_CACHE", raising=False)
-    monkeypatch.setenv(variable, str(tmp_path))
-    expected = tmp_path / below / cache.compiler_fingerprint()
-    assert cache.cache_folder() == expected
-    assert expected.is_dir()
 
 
 @pytest.fixture
@@ -136,15 +119,6 @@ def test_a_missing_or_damaged_part_is_made_again(
     assert len(made) == 3
     restart()
     assert compiled(module.one)(8.0) == 5.0
-    assert len(made) == 3
-
-
-@pytest.mark.usefixtures("folder")
-def test_a_part_is_compiled_once_for_two_entries(made: list[str]) -> None:
-    module = load(PARTS)
-    assert compiled(module.one)(8.0) == 5.0
-    assert compiled(module.other)(8.0) == 3.0
-    assert compiled(module.one)(6.0) == 4.0
     assert len(made) == 3
 
 
@@ -300,25 +274,3 @@ def test_what_is_neither_data_nor_of_the_package_has_no_identity() -> None:
         with pytest.raises(OutsideError):
             digest_of(each)
     assert digest_of(SimpleNamespace(a=1)) != digest_of(SimpleNamespace(a=2))
-
-
-def test_an_identity_tells_nothing_of_the_checkout_and_is_the_same_in_another_process() -> None:
-    """Else every checkout would compile the kernels anew."""
-    program = (
-        "from model.compile.identity import digest_of\n"
-        "from model.engine.scheduling import integrate_all\n"
-        "from model.engine.lane_events import lane_events_of\n"
-        "from model.events.insertion import INSERTION\n"
-        "from model.events.kernels import in_kernels\n"
-        "print(digest_of(integrate_all, lane_events_of(in_kernels(INSERTION).events)))"
-    )
-    told = {
-        subprocess.run(
-            [sys.executable, "-c", program], env={**os.environ, "PYTHONHASHSEED": seed},
-            capture_output=True, text=True, check=True,
-        ).stdout
-        for seed in ("1", "2")
-    }  # fmt: skip
-    assert len(told) == 1
-    digest_of(integrate_all)
-    assert not [each for each in identity._PARTS.values() if str(PACKAGE) in each.text]

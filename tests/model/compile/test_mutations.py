@@ -5,21 +5,19 @@ Each mutation is one edit of a copy of the package, on which the tests run until
 
 # ruff: noqa: E501 - a line is a case
 
-import os
-import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
-from tests.model.physics.test_mutations import replaced
+from tests.model.mutations import assert_caught, run_on_copy
 
-PROJECT = Path(__file__).resolve().parents[3]
-TESTS = (
-    "subset", "entries", "refusals", "checked", "vectors", "cache", "page", "webassembly", "package_kernels",
-    "programs", "processes",
-)  # fmt: skip
+TESTS = [
+    f"tests/model/compile/test_{each}.py"
+    for each in (
+        "subset", "entries", "refusals", "checked", "vectors", "cache", "page", "webassembly",
+        "programs", "processes",
+    )
+]  # fmt: skip
 
 # mutation: (file below src/model/compile, what stands there once, what is put in its place)
 MUTATIONS = {
@@ -43,7 +41,7 @@ MUTATIONS = {
     "abs is as it was": ("builtins.py", "call i64 @llvm.abs.i64(i64 {number.name}, i1 false)", "add i64 {number.name}, 0"),
     "reversed is as it was": ("builtins.py", "lasting_items(code, value)[::-1]", "lasting_items(code, value)"),
     "fetch_add replaces": ("builtins.py", "atomicrmw add", "atomicrmw xchg"),
-    "vectors are one number long": ("builtins.py", "firsts = [operate(code, ast.Mult, each, Static(WIDTH)) for each in numbers]", "firsts = numbers"),
+    "vectors are one number long": ("builtins.py", "part_of(code, block, [each]).pointer", "code.address(block, each)"),
     "all is any": ("builtins.py", 'all: _several("and")', 'all: _several("or")'),
     # --- code
     "True is -1": ("code.py", "zext i1 {} to i64", "sext i1 {} to i64"),
@@ -89,7 +87,7 @@ MUTATIONS = {
     "arguments never change": ("source.py", "    names.update(arguments)\n", ""),
     # --- functions of vectors, modules, entries
     "a round more of vectors": ("vector_code.py", '"icmp slt"', '"icmp sle"'),
-    "a vector that was stored is old": ("vector_code.py", "        self.loaded[pointer, place] = value\n", ""),
+    "a vector that was stored is old": ("vector_code.py", "        self.loaded[pointer, row] = value\n", ""),
     "False is passed as True": ("module.py", "icmp ne i64 {word}, 0", "icmp eq i64 {word}, 0"),
     "results are one word apart": ("module.py", "ptr %result, i64 {n}", "ptr %result, i64 {n + 1}"),
     "arrays that are read-only are written": ("entries.py", "not argument.flags.writeable", "False"),
@@ -108,41 +106,13 @@ MUTATIONS = {
 }  # fmt: skip
 
 
-def caught(folder: Path, edit: tuple[str, str, str] | None) -> subprocess.CompletedProcess[str]:
-    """Run the tests on a copy of the package with an edit."""
-    shutil.copytree(PROJECT / "src", folder / "src")
-    if edit is not None:
-        file, old, new = edit
-        path = folder / "src/model/compile" / file
-        path.write_text(replaced(path, old, new), encoding="utf-8")
-    paths = f"pythonpath={folder / 'src'} ."  # before those of pyproject.toml
-    options = ["-x", "-q", "-p", "no:cacheprovider", "-p", "no:xdist", "-o", paths]
-    files = [f"tests/model/compile/test_{each}.py" for each in TESTS]
-    return subprocess.run(
-        [sys.executable, "-m", "pytest", *options, *files],
-        cwd=PROJECT,
-        env={
-            **os.environ,
-            "PYTHONPATH": str(folder / "src"),
-            "VIBRALIGN_CACHE": str(folder / "kernels"),
-        },
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-
-
 @pytest.mark.nightly
 @pytest.mark.parametrize("mutation", MUTATIONS)
 def test_a_test_catches_it(tmp_path: Path, mutation: str) -> None:
-    run = caught(tmp_path, MUTATIONS[mutation])
-    # Wrong machine code may end the process by a signal: its code is negative.
-    is_caught = run.returncode == pytest.ExitCode.TESTS_FAILED or run.returncode < 0
-    assert is_caught, run.stdout + run.stderr
-    assert "ERROR" not in run.stdout, run.stdout
+    assert_caught(run_on_copy(tmp_path, "compile", MUTATIONS[mutation], TESTS))
 
 
 @pytest.mark.nightly
 def test_without_a_mutation_no_test_fails(tmp_path: Path) -> None:
-    run = caught(tmp_path, None)
+    run = run_on_copy(tmp_path, "compile", None, TESTS)
     assert run.returncode == pytest.ExitCode.OK, run.stdout + run.stderr

@@ -55,20 +55,3 @@ def test_threads_that_call_a_kernel_first_compile_it_once(
     with ThreadPoolExecutor(THREADS) as pool:
         assert [*pool.map(call, range(THREADS))] == [2 * (n + 1) for n in range(THREADS)]
     assert len(made) == 2
-
-
-@pytest.mark.usefixtures("folder")
-def test_threads_may_compile_different_kernels_and_versions() -> None:
-    module = load("".join(
-        f"@kernel\ndef kernel_{n}(x):\n    return x * {n}\n\n\n" for n in range(THREADS)
-    ))  # fmt: skip
-    entries = [compiled(getattr(module, f"kernel_{n}")) for n in range(THREADS)]
-    together = Barrier(THREADS)
-
-    def call(n: int) -> tuple[object, object]:
-        together.wait()
-        return entries[n](3), entries[(n + 1) % THREADS](0.5)
-
-    with ThreadPoolExecutor(THREADS) as pool:
-        found = [*pool.map(call, range(THREADS))]
-    assert found == [(3 * n, 0.5 * ((n + 1) % THREADS)) for n in range(THREADS)]

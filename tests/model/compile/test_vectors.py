@@ -9,6 +9,7 @@ from model.compile import machine_code
 from model.compile.entries import address_of, compiled, flattened
 from model.compile.module import Module
 from model.compile.vector_code import WIDTH, VectorFunction, VectorWriter, call_at, each_lane
+from model.engine.workspace import new_workspace
 from tests.model.compile.sources import bits, exactly, kernel_of, load
 
 LANES = """\
@@ -86,13 +87,11 @@ def test_functions_of_vectors_are_called_by_name_and_by_address() -> None:
     expected = np.array([3.0 * total, total + abs(x)])
     address = address_of(function)
     for call in (compiled(by_name), lambda w: compiled(by_address)(address, w, 5)):
-        flat = np.zeros(7 * WIDTH + 8)
-        first = (-flat.ctypes.data % 64) // 8  # vectors begin at a cache line
-        w = flat[first : first + 7 * WIDTH]
-        w[:] = blocks.ravel()
+        w = new_workspace(7)
+        w[:] = blocks
         call(w)
-        assert w.reshape(7, WIDTH)[5:] == pytest.approx(expected, rel=1e-15)
-        assert w[: 5 * WIDTH].tolist() == blocks[:5].ravel().tolist()
+        assert w[5:] == pytest.approx(expected, rel=1e-15)
+        assert w[:5].tolist() == blocks[:5].tolist()
 
 
 class _Twice(VectorWriter):
@@ -108,10 +107,10 @@ class _Twice(VectorWriter):
 def test_a_vector_that_was_stored_is_loaded_anew() -> None:
     function = kernel_of("FUNCTION(w, (0,))", "w")
     function.__globals__["FUNCTION"] = VectorFunction("twice", _Twice)
-    flat = np.ones(WIDTH + 8)
-    w = flat[(-flat.ctypes.data % 64) // 8 :][:WIDTH]
+    w = new_workspace(1)
+    w[:] = 1.0
     compiled(function)(w)
-    assert w.tolist() == [4.0] * WIDTH
+    assert w.tolist() == [[4.0] * WIDTH]
 
 
 def test_another_function_of_the_same_name_is_another() -> None:
@@ -125,7 +124,7 @@ def test_another_function_of_the_same_name_is_another() -> None:
 
 
 def test_python_calls_a_function_of_vectors() -> None:
-    flat = np.ones(WIDTH + 8)
-    w = flat[(-flat.ctypes.data % 64) // 8 :][:WIDTH]
+    w = new_workspace(1)
+    w[:] = 1.0
     VectorFunction("twice", _Twice)(w, (0,))
-    assert w.tolist() == [4.0] * WIDTH
+    assert w.tolist() == [[4.0] * WIDTH]

@@ -4,13 +4,13 @@ import numpy as np
 
 from model.compile.entries import compiled
 from model.compile.kernels import kernel
-from model.compile.vector_code import WIDTH
 from model.engine import event_search, scheduling, workspace
-from model.engine.lane_events import kind_of, lane_events_of
-from model.engine.lifecycle import NOISE, Control, begin
+from model.engine.lane_events import kind_of_mode, lane_events_of
+from model.engine.lifecycle import NOISE, Control
 from model.engine.record import AT, MODE, STATE, mode_of
 from model.engine.scheduling import new_memory
 from model.engine.series_kernels import missing_series
+from model.engine.start import begin
 from model.events import friction, kernels
 from model.events.kernels import events_of, in_kernels
 from model.events.transitions import CONTINUES
@@ -24,7 +24,7 @@ state_at = compiled(event_search.state_at)
 @compiled
 @kernel
 def missing_in(lanes, memory):
-    kind = kind_of(lanes, mode_of(memory.runs, 0))
+    kind = kind_of_mode(lanes, mode_of(memory.runs, 0))
     return missing_series(lanes, kind, False, memory.addresses)
 
 
@@ -32,7 +32,7 @@ def missing_in(lanes, memory):
 @kernel
 def step(lanes, control, memory):
     memory.together[0] = 0
-    kind = kind_of(lanes, mode_of(memory.runs, 0))
+    kind = kind_of_mode(lanes, mode_of(memory.runs, 0))
     scheduling.step_together(lanes, kind, 1, control, memory)
 
 
@@ -86,7 +86,7 @@ class OneRun:
             self.memory.runs[0, AT.next_step] = longest
         self.load()
         step(self.lanes, self.control, self.memory)
-        return self.memory.w[workspace.STEP_LENGTH * WIDTH]
+        return self.memory.w[workspace.STEP_LENGTH, 0]
 
     def at(self, theta):
         """The state at a fraction of the step."""

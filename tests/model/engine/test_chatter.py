@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from model.engine.lifecycle import begin, skip_chatter
+from model.engine.lifecycle import skip_chatter
 from model.engine.record import AT, SIZE, STATE
+from model.engine.start import begin
 from model.physics.modes import OPEN, START
 from model.physics.notation import STATE_SIZE
 from verification.fuzz import SETTINGS, draw

@@ -5,7 +5,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from model.engine.lane_events import applicable_in, kind_of, lane_events_of
+from model.engine.lane_events import applicable_in, kind_of_mode, lane_events_of
 from model.engine.mode_kinds import kinds_of, lane_modes, mode_in_kind
 from model.engine.track import COLUMNS
 from model.events.insertion import INSERTION
@@ -53,7 +53,7 @@ def test_masks_hold_every_event_that_applies(scene: Scene, is_round: bool) -> No
         mode = mode._replace(**dict(zip(("support_slip", "side_slip"), slips, strict=True)))
         if mode.in_slot and (not mode.dropped or mode.edge == LEFT_EDGE):
             continue  # A1 and B1 are the right side of the slot
-        kind = kind_of(lanes, mode)
+        kind = kind_of_mode(lanes, mode)
         mask, held = int(applicable_in(lanes, kind, p, mode)), held + 1
         for which, each in enumerate(lanes.events.all):
             event = each.event
@@ -78,8 +78,6 @@ def test_every_mode_that_runs_meet_has_been_listed(scene: Scene, shape: Shape, s
     modes = [
         Mode(*(kind(value) for kind, value in zip(MODE_KINDS, row, strict=True))) for row in met
     ]
-    places = {(int(kind_of(lanes, mode)), mode_in_kind(mode)) for mode in modes}
-    assert len(places) > 5
-    assert places <= {
-        place for _, place in lane_modes(scene is INSERTION, kinds_of(scene is INSERTION))
-    }
+    keys = {(int(kind_of_mode(lanes, mode)), mode_in_kind(mode)) for mode in modes}
+    assert len(keys) > 5
+    assert keys <= {key for _, key in lane_modes(scene is INSERTION, kinds_of(scene is INSERTION))}

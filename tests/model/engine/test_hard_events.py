@@ -207,17 +207,6 @@ def test_a_run_along_a_boundary_ends_with_a_defined_outcome(device, changes, tol
     assert np.isnan(run.tau_align) == (run.outcome is not Outcome.ALIGNED)
 
 
-def test_results_are_continuous_across_the_boundary_of_load(device):
-    # f0 on both sides of the excitation's amplitude: from a load that grazes zero to a short
-    # flight, whose effect is of the order of its length to the power 3 or more.
-    p = device.replace(frequency=0.3, press_force=1.0, friction=0.0)
-    forces = 1.0 + np.array([-1e-6, -1e-8, 0.0, 1e-8, 1e-6])
-    result = align([p.replace(press_force=force) for force in forces])
-    assert set(result.outcome) == {Outcome.ALIGNED}
-    assert np.ptp(result.tau_align) < 1e-3
-    assert np.ptp(result.tau_align[1:4]) < 1e-5
-
-
 def test_two_crossings_right_after_an_event_are_found():
     """A1 is past B1 for 4e-9 before B2 leaves the slot again; set 24584 of the random sets."""
     part = Parameters(

@@ -15,9 +15,9 @@ from model.engine.lane_events import (
     TERMS,
     LaneEvents,
     applicable_in,
+    kind_of_mode,
     lane_events_of,
 )
-from model.engine.lane_events import kind_of as kind_of_mode
 from model.engine.mode_kinds import (
     ALIGNMENT_KINDS,
     BETWEEN_WALLS,
@@ -141,8 +141,7 @@ class Step:
         rng = np.random.default_rng(8 * support + side + 100 * seed)
         lanes = self.lanes = LANES[shape]
         self.watched = [each.number for each in lanes.all]
-        flat = new_workspace(lanes.lines)
-        self.w = flat.reshape(lanes.lines, WIDTH)
+        self.w = new_workspace(lanes.lines)
         draw_constants(rng, self.w)
         named = dict(zip(NAMES, self.w, strict=False))
         named["contact_stiffness"][:] = 50.0
@@ -169,7 +168,7 @@ class Step:
         self.w[workspace.APPLICABLE] = self.applicable
         for number in (kind, len(lanes.series.fill) + kind):
             lanes.series.load(number)
-        step_all(lanes, kind, self.applicable, control, lanes.series.addresses, flat)
+        step_all(lanes, kind, self.applicable, control, lanes.series.addresses, self.w)
         coefficients = self.w[COEFFICIENTS : COEFFICIENTS + ORDERS * LINES]
         self.further = coefficients.reshape(ORDERS, LINES, WIDTH)
         self.series = self.further[: ORDER + 1]
@@ -218,7 +217,7 @@ def test_rates_in_a_step_are_those_of_the_motion(shape: str, support: int, side:
         length = step.w[workspace.STEP_LENGTH, lane]
         for theta in (0.0, 0.4, 1.0):
             q = State(*step.at(theta * length, lane)[:6].tolist())
-            found = rates_in_step(q, theta, step.w.reshape(-1), lane)
+            found = rates_in_step(q, theta, step.w, lane)
             at = motion(0.3 + theta * length, q, step.constants(lane), step.mode(lane))
             expected = (q.x_rate, q.y_rate, q.tilt_rate, at.x, at.y, at.tilt)
             assert found == pytest.approx(expected, rel=1e-9, abs=1e-9)
@@ -233,8 +232,8 @@ def test_a_carried_error_is_the_derivative_of_the_series(shape, support, side):
         Step(support, side, 0.1, displacement=each, shape=shape) for each in (error, -error)
     )
     more.w[workspace.FILLED_ORDER] = MOST_ERROR_ORDER
-    flat, lanes = more.w.reshape(-1), more.lanes
-    fill_errors(lanes, kind_of(support, side), lanes.series.addresses, flat)
+    lanes = more.lanes
+    fill_errors(lanes, kind_of(support, side), lanes.series.addresses, more.w)
     errors = more.w[workspace.ERROR :][: ORDERS * LINES].reshape(ORDERS, LINES, WIDTH)
     found = errors[: MOST_ERROR_ORDER + 1, :6]
     expected = 0.5 * (more.series - less.series)[: MOST_ERROR_ORDER + 1, :6]
@@ -297,15 +296,15 @@ def mode_of(kind: ModeKind, signs: np.ndarray) -> Mode:
     """Return a mode of a kind, with these signs of the slips."""
     support, side = SIDE_CONTACTS[kind.support], SIDE_CONTACTS[kind.side]
     slips = np.where([support.sticks, side.sticks], 0, signs).astype(int).tolist()
-    without_load = RELEASED if kind.place == ON_LEFT_EDGE and not support.corner else OPEN
+    without_load = RELEASED if kind.position == ON_LEFT_EDGE and not support.corner else OPEN
     return START._replace(
-        edge=LEFT_EDGE if kind.place == ON_LEFT_EDGE else RIGHT_EDGE,
+        edge=LEFT_EDGE if kind.position == ON_LEFT_EDGE else RIGHT_EDGE,
         face=CLOSED if support.edge else without_load, corner=int(support.corner),
-        corner_offset=OFFSET * (kind.place != BETWEEN_WALLS),
+        corner_offset=OFFSET * (kind.position != BETWEEN_WALLS),
         slip_at_corner=support.slip_at_corner, support_slip=slips[0],
         side=int(side.edge), wall=int(side.corner), slip_at_wall=side.slip_at_corner,
         side_slip=slips[1],
-        dropped=True, in_slot=kind.place == BETWEEN_WALLS,
+        dropped=True, in_slot=kind.position == BETWEEN_WALLS,
     )  # fmt: skip
 
 
@@ -326,15 +325,14 @@ NIGHTLY = [pytest.param(kind, marks=pytest.mark.nightly) for kind in RARE]
 @pytest.mark.parametrize("shape", SHAPES)
 def test_the_series_of_the_insertion_scene_solve_the_equations_of_motion(shape, kind):
     rng = np.random.default_rng(kind)
-    flat = new_workspace(workspace.EVENT_LINES)
-    w = flat.reshape(-1, WIDTH)
+    w = new_workspace(workspace.EVENT_LINES)
     draw_constants(rng, w)
     line = {name: n for n, name in enumerate(NAMES)}
     if shape == "round":
         w[line["slot_half_width"]] = 1.1 * w[line["half_width"]]
     w[line["contact_stiffness"]], w[line["friction"]] = 50.0, 0.3
     signs = rng.choice([-1.0, 1.0], (2, WIDTH))
-    w[SIGNS], w[CORNER_OFFSET] = signs, OFFSET * (kind.place != BETWEEN_WALLS)
+    w[SIGNS], w[CORNER_OFFSET] = signs, OFFSET * (kind.position != BETWEEN_WALLS)
     state = rng.uniform(-0.02, 0.02, (6, WIDTH))
     # B1 is a tenth behind the wall, and so is A1 behind the face, but for the small tilt; likewise
     # B2 and A2 where both press.
@@ -342,7 +340,7 @@ def test_the_series_of_the_insertion_scene_solve_the_equations_of_motion(shape, 
     state[0] = w[line["slot_half_width"]] + 0.1 - a * np.cos(state[2]) - b * np.sin(state[2])
     if SIDE_CONTACTS[kind.side].edge and SIDE_CONTACTS[kind.side].corner:
         state[0] = a * np.cos(state[2]) - b * np.sin(state[2]) - w[line["slot_half_width"]] - 0.1
-    if shape == "round" and kind.place == ON_LEFT_EDGE and kind.support != FREE:  # tips over A2
+    if shape == "round" and kind.position == ON_LEFT_EDGE and kind.support != FREE:  # tips over A2
         state[0] *= -1.0
     w[COEFFICIENTS : COEFFICIENTS + 6] = state
     angle = w[line["frequency"]] * 0.3 + w[line["phase"]]
@@ -354,7 +352,7 @@ def test_the_series_of_the_insertion_scene_solve_the_equations_of_motion(shape, 
     lanes = lane_events_of(in_kernels(INSERTION, shape == "round").events)
     number = kinds_of(inserts=True).index(kind)
     lanes.series.load(number)
-    fill_series(lanes, number, lanes.series.addresses, flat)
+    fill_series(lanes, number, lanes.series.addresses, w)
     series = w[COEFFICIENTS : COEFFICIENTS + (ORDER + 1) * LINES].reshape(ORDER + 1, LINES, WIDTH)
     time, orders = 1e-3, np.arange(1, ORDER + 1)
     for lane in range(WIDTH):
@@ -437,10 +435,10 @@ def sampled(
     step: Step, which: int, places: np.ndarray, series: np.ndarray, lane: int, last: int = ORDER
 ) -> np.ndarray:
     """A level from the series of its quantities, of either sign, to the last order."""
-    lanes, flat = step.lanes, step.w.reshape(-1)
+    lanes = step.lanes
     functions, count = [], QUANTITIES if which < lanes.events.combined else 1
     for sign in (1.0, -1.0):
-        enter_series(lanes, which, sign, series, flat, lane)
+        enter_series(lanes, which, sign, series, step.w, lane)
         series.reshape(QUANTITIES, TERMS)[:, last + 1 :] = 0.0
         functions.append(polyval(places, series.reshape(QUANTITIES, TERMS)[:count].T).max(axis=0))
     return np.min(functions, axis=0)
@@ -491,11 +489,10 @@ def test_peaks_are_those_of_the_step_or_its_part(shape: str, support: int, side:
             course = step.at(np.linspace(0, until, 3001) * length, lane)
             lines = [CONTACTS_AT, CONTACTS_AT + 2]
             forces = course[:, lines]
-            flat = step.w.reshape(-1)
-            tilt = largest_tilt(0.0, until, flat, lane)
+            tilt = largest_tilt(0.0, until, step.w, lane)
             assert tilt == pytest.approx(np.abs(course[:, TILT]).max(), rel=1e-6)
             for line, force in zip(lines, forces.T, strict=True):
-                found = largest_force(line, 0.0, until, flat, lane)
+                found = largest_force(line, 0.0, until, step.w, lane)
                 assert found == pytest.approx(max(force.max(), 0.0), rel=1e-6)
 
 
@@ -512,7 +509,6 @@ def test_the_first_fall_is_found_however_short_what_follows() -> None:
     for seed, support in itertools.product(range(8 // WIDTH), KINDS):
         for side in KINDS:
             step = Step(support, side, 0.4, tolerance=1e-2, seed=seed)
-            flat = step.w.reshape(-1)
             for lane in range(WIDTH):
                 for which in step.watched:
                     if not step.applies(which, lane) or has_rate(step.lanes, which):
@@ -525,7 +521,7 @@ def test_the_first_fall_is_found_however_short_what_follows() -> None:
                     if below.size == 0:
                         continue
                     assert quarters & 1 << min(int(4.0 * places[below[0] - 1]), 3)
-                    theta = crossing(step.lanes, which, 1.0, series, flat, lane)
+                    theta = crossing(step.lanes, which, 1.0, series, step.w, lane)
                     fell += 1
                     assert places[below[0] - 1] <= theta <= places[below[0]]
                     nodes = values[:: (places.size - 1) // 4]

@@ -27,13 +27,12 @@ def test_a_law_may_multiply_positions():
     cubic = found._replace(accelerations=(x * x * x, *found.accelerations[1:]))
     # Code is kept by its name, so that of another law has another.
     fill = VectorFunction("fill_cubic", lambda name: SeriesWriter(name, Layout(cubic)))
-    flat = new_workspace(workspace.EVENT_LINES)
-    w = flat.reshape(-1, WIDTH)
+    w = new_workspace(workspace.EVENT_LINES)
     w[:LANE_CONSTANTS] = 1.0
     start = np.linspace(0.5, 1.5, WIDTH)
     w[COEFFICIENTS], w[COEFFICIENTS + 3] = start, start**2 / np.sqrt(2.0)
     w[LAST_ORDER] = ORDER
-    fill_at(address_of(fill), flat)
+    fill_at(address_of(fill), w)
     orders = np.arange(ORDER + 1)
     expected = start * (start / np.sqrt(2.0)) ** orders[:, None]
     assert w[COEFFICIENTS + LINES * orders] == pytest.approx(expected, rel=1e-13)

@@ -7,11 +7,11 @@ import sys
 import numpy as np
 import pytest
 
-from model.compile.machine_code import floats_in_a_vector
 from model.compile.vector_code import WIDTH, WIDTHS
 from model.runs.engine import engine_for
 from verification.fuzz import SCENES, draw
 
+SETS = int(os.environ.get("VIBRALIGN_SETS", "60"))
 PROGRAM = """\
 import hashlib
 from dataclasses import replace
@@ -23,8 +23,9 @@ from model.runs.align import run_once
 from verification.fuzz import SCENES, draw
 
 print(WIDTH)
-for settings, laws in SCENES.values():
-    for shape in ("square", "round"):
+for scene in {scenes}:
+    settings, laws = SCENES[scene]
+    for shape in {shapes}:
         found = run_once(draw(11, 0, {sets}, laws), replace(settings, shape=shape))
         print(hashlib.sha256(np.nan_to_num(np.array([*found.values()])).tobytes()).hexdigest())
 """
@@ -50,26 +51,20 @@ def test_a_row_of_a_batch_equals_the_same_run_alone_with_its_error(scene: str) -
         np.testing.assert_array_equal(alone, together[n])
 
 
-@pytest.mark.nightly
-def test_results_are_the_same_to_the_bit_at_every_width() -> None:
-    program = PROGRAM.format(sets=int(os.environ.get("VIBRALIGN_SETS", "60")))
-    runs = [told(program, str(width)) for width in WIDTHS]
+@pytest.mark.parametrize(
+    ("widths", "sets", "scenes", "shapes"),
+    [
+        ((1, 2), 20, ("alignment",), ("square",)),
+        pytest.param(WIDTHS, SETS, tuple(SCENES), ("square", "round"), marks=pytest.mark.nightly),
+    ],
+    ids=["few sets", "every width"],
+)
+def test_results_are_the_same_to_the_bit_at_two_widths(
+    widths: tuple[int, ...], sets: int, scenes: tuple[str, ...], shapes: tuple[str, ...]
+) -> None:
+    program = PROGRAM.format(sets=sets, scenes=scenes, shapes=shapes)
+    runs = [told(program, str(width)) for width in widths]
     assert all(each.returncode == 0 for each in runs), [each.stderr for each in runs]
-    widths, *results = zip(*(each.stdout.split() for each in runs), strict=True)
-    assert [*map(int, widths)] == [*WIDTHS]
-    assert [len({*each}) for each in results] == [1] * 4
-
-
-@pytest.mark.parametrize("width", ["3", "16", "four", "-1"])
-def test_another_width_is_refused(width: str) -> None:
-    run = told("import model.compile.vector_code", width)
-    assert run.returncode == 1
-    assert f"VIBRALIGN_WIDTH = {width!r}: must be 8, 4, 2 or 1" in run.stderr
-
-
-@pytest.mark.parametrize(("processor", "width"), [("haswell", 4), ("x86-64", 2), ("znver4", 8)])
-def test_the_width_is_that_of_the_processors_vectors(processor: str, width: int) -> None:
-    pytest.importorskip("llvmlite")
-    run = told("from model.compile.vector_code import WIDTH; print(WIDTH)", "", processor)
-    assert run.stdout.split() == [str(width)]
-    assert "VIBRALIGN_WIDTH" in os.environ or floats_in_a_vector() == WIDTH
+    found, *results = zip(*(each.stdout.split() for each in runs), strict=True)
+    assert [*map(int, found)] == [*widths]
+    assert [len({*each}) for each in results] == [1] * (len(scenes) * len(shapes))

@@ -3,20 +3,7 @@
 import pytest
 
 from model.events.scenes import CONTACT_NAMES
-from vibralign import ALIGNMENT, INSERTION, PRINTED_CONTACTS, SUSPENDED, Scene
-
-
-def test_the_insertion_scene_declares_every_kind_of_contact():
-    assert set(ALIGNMENT.contacts) == {"edge_on_face", "edge_on_side", "corner_on_flat"}
-    assert INSERTION.contacts - ALIGNMENT.contacts == {"corner_on_wall"}
-    assert all(INSERTION.declared)
-
-
-def test_the_printed_scene_has_no_corner_and_the_suspended_one_nothing():
-    assert not PRINTED_CONTACTS.declared.corner_on_flat
-    assert PRINTED_CONTACTS.declared.edge_on_face
-    assert PRINTED_CONTACTS.declared.edge_on_side
-    assert not any(SUSPENDED.declared)
+from vibralign import Scene
 
 
 @pytest.mark.parametrize("name", CONTACT_NAMES)

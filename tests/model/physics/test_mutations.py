@@ -16,9 +16,9 @@ from typing import Any
 
 import pytest
 
-from study.config import COMPUTED
+from study.config import load_study, study_path
+from tests.model.mutations import PROJECT, replaced
 
-PROJECT = Path(__file__).resolve().parents[3]
 UNIT_TESTS = [f"tests/model/physics/test_{name}.py" for name in ("motion", "contacts", "tips")]
 
 # name: (file below src/model/physics, what stands before a force, the force that is changed)
@@ -46,7 +46,7 @@ EVERYWHERE = {
     "tilt stiffness", "press force", "excitation", "contact stiffness", "contact damping",
     "force of the edge", "friction",
 }  # fmt: skip
-FIGURES = list(COMPUTED)
+FIGURES = list(load_study(study_path()).computed)
 
 # Errors in the tips of round parts, in the same form; files below src/model.
 GEOMETRY, CONTACTS = "physics/geometry.py", "physics/contacts.py"
@@ -81,13 +81,6 @@ WRONG_TIPS = {
     "beginning": (EVENTS, "return -depth, depth", "return depth, depth"),
 }
 EVERY = [*MUTATIONS, *OF_TIPS, *WRONG_TIPS]
-
-
-def replaced(path: Path, old: str, new: str) -> str:
-    """Return the text of a file with ``new`` in place of ``old``."""
-    text = path.read_text(encoding="utf-8")
-    assert text.count(old) == 1, f"{old!r} must stand once in {path.name}: adapt the mutation"
-    return text.replace(old, new)
 
 
 # Collects the unit tests once; a fork for each mutation puts the wrong code in place of the right

@@ -28,14 +28,3 @@ def test_consistent_is_the_default_and_printed_is_all_printed():
 def test_each_switch_is_set_by_name_alone(name):
     readings = Variants(**{name: "printed"})
     assert [other for other in TABLE if readings.is_printed(other)] == [name]
-
-
-@pytest.mark.parametrize("value", ["print", "", True, None])
-def test_another_value_is_refused(value):
-    with pytest.raises(ValueError, match=r"readings\.preload = .* 'consistent' or 'printed'"):
-        Variants(preload=value)
-
-
-def test_another_switch_is_refused():
-    with pytest.raises(TypeError, match="normal_signs"):
-        Variants(normal_signs="printed")

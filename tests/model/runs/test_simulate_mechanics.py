@@ -3,23 +3,14 @@
 The energy of runs is balanced in tests/model/closed_forms/test_energy.py.
 """
 
-from math import cos, hypot, sin, sqrt
+from math import cos, sin, sqrt
 
 import numpy as np
 import pytest
-from scipy.optimize import root
 
 from vibralign import SUSPENDED, Outcome, simulate
 
-STILL = {"frequency": 0.0, "phase": 0.0}
 """sin(ντ + phase) = 0 for ever: no excitation."""
-
-
-def depth(parameters, state):
-    """Depth of A1 behind the bottom face, b + (A1 - C)·e_n, for states of shape (n, 6)."""
-    x, y, tilt = state.T[:3]
-    r_x = parameters.slot_half_width - x
-    return parameters.half_height - r_x * np.sin(tilt) - y * np.cos(tilt)
 
 
 # ------------------------------------------------------------------------- no contact: closed forms
@@ -83,44 +74,3 @@ def test_suspended_part_follows_the_closed_forms(lifted):
 
 
 # ------------------------------------------------------------------------------- static equilibrium
-
-
-def test_pressed_part_comes_to_rest_in_static_equilibrium(device):
-    # Without friction and excitation, strongly damped, and held by a stiff lateral spring.
-    p = device.replace(
-        **STILL, friction=0.0, lateral_stiffness=40.0, lateral_damping=10.0, axial_damping=4.0,
-        tilt_stiffness=60.0, tilt_damping=40.0, contact_damping=10.0, initial_tilt=0.02,
-    )  # fmt: skip
-    run = simulate(p, may_settle=False, horizon=150.0)
-    assert run.outcome is Outcome.HORIZON_REACHED
-
-    def residual(pose):
-        x, y, tilt = pose
-        r = np.array([p.slot_half_width - x, -y])
-        e_n = np.array([-sin(tilt), cos(tilt)])
-        force = 100.0 * (p.half_height + r @ e_n) * e_n
-        return [
-            force[0] - p.lateral_stiffness * (x - p.misalignment),
-            force[1] - (y - p.half_height) - p.press_force,
-            r[0] * force[1] - r[1] * force[0] - p.tilt_stiffness * tilt,
-        ]
-
-    solution = root(residual, [p.misalignment, p.half_height, 0.05], tol=1e-13)
-    assert solution.success
-    assert run.state[-1, :3] == pytest.approx(solution.x, abs=1e-9)  # attracted, so not accumulated
-    assert hypot(*run.state[-1, 3:5]) < 1e-9
-    assert abs(run.state[-1, 5]) < 1e-9
-    # The base carries the press force less what the axial spring holds.
-    n = 100.0 * depth(p, run.state[-1:])[0]
-    assert run.contact_force[-1] == pytest.approx(n, abs=1e-7)
-    assert n * cos(solution.x[2]) == pytest.approx(
-        p.press_force + solution.x[1] - p.half_height, abs=1e-7
-    )
-
-
-def test_constant_excitation_is_a_constant_force(device):
-    # ν = 0 holds sin(phase): the run equals one pressed harder by just that.
-    held = simulate(device.replace(frequency=0.0, phase=0.5), horizon=5.0)
-    pressed = simulate(device.replace(**STILL, press_force=3.0 + sin(0.5)), horizon=5.0)
-    assert held.outcome is pressed.outcome
-    assert held.state[-1] == pytest.approx(pressed.state[-1], abs=1e-9)

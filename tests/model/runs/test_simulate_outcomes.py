@@ -8,7 +8,6 @@ import pytest
 from vibralign import (
     PRINTED_CONTACTS,
     SUSPENDED,
-    Batch,
     Outcome,
     Parameters,
     Reason,
@@ -85,22 +84,6 @@ def test_a_motion_that_repeats_itself_settles(device):
     )  # linear interpolation of the track
 
 
-def test_settled_runs_of_a_whole_map_do_not_align_later(device):
-    # Around the border of the aligning area, where settling too early would show.
-    grid = np.meshgrid(np.linspace(20.0, 320.0, 8), np.linspace(0.5, 3.0, 6))
-    batch = Batch.of(
-        device.replace(friction=0.3, frequency=1.0),
-        tilt_stiffness=grid[0].ravel(),
-        press_force=grid[1].ravel(),
-    )
-    early, late = align(batch), align(batch, may_settle=False)
-    settled = early.outcome == Outcome.SETTLED
-    assert settled.sum() >= 5
-    assert (early.outcome == Outcome.ALIGNED).sum() >= 5
-    assert set(late.outcome[settled]) == {Outcome.HORIZON_REACHED}
-    assert np.array_equal(early.tau_align, late.tau_align, equal_nan=True)
-
-
 def test_the_horizon_ends_a_run(device):
     run = simulate(device, horizon=1.0)
     assert ended(run) == (Outcome.HORIZON_REACHED, Reason.NONE)
@@ -138,39 +121,6 @@ def test_a_pressed_part_has_no_contact_in_the_suspended_scene(device):
     assert ended(run) == (Outcome.LEFT_SCENE, Reason.UNDECLARED_CONTACT)
     assert run.contact_force_max == 0.0
     assert run.time[-1] < 1e-6
-
-
-@pytest.mark.parametrize(
-    "readings", [Variants.consistent(), Variants.printed()], ids=["mended", "printed"]
-)
-def test_every_run_of_a_wide_cloud_ends_with_a_consistent_word(device, readings):
-    rng = np.random.default_rng(0)
-    n = 400
-    cloud = {
-        name: getattr(device, name) * np.exp(rng.uniform(-1.5, 1.5, n))
-        for name in ("half_height", "inertia", "tilt_stiffness", "press_force", "frequency")
-    }
-    cloud["initial_tilt"] = rng.uniform(-0.1, 0.3, n)
-    cloud["misalignment"] = rng.uniform(0.0, 1.0, n)
-    result = align(Batch.of(device, **cloud), horizon=60.0, readings=readings)
-    aligned = result.outcome == Outcome.ALIGNED
-    assert np.array_equal(np.isfinite(result.tau_align), aligned)
-    assert np.array_equal(np.isfinite(result.tilt_at_alignment), aligned)
-    explained = np.isin(result.outcome, [Outcome.LEFT_SCENE, Outcome.FAILED])
-    explained |= (result.outcome == Outcome.HORIZON_REACHED) & (result.reason == Reason.CHAOTIC)
-    assert np.array_equal(result.reason != Reason.NONE, explained)
-    assert np.array_equal(result.period > 0, result.outcome == Outcome.SETTLED)
-    assert np.isfinite(result.tilt_max).all()
-    assert (result.contact_force_max >= 0.0).all()
-    assert ((result.sticking_share >= 0.0) & (result.sticking_share <= 1.0)).all()
-    assert (result.tau_corners_inside[aligned] >= result.tau_align[aligned]).sum() > 20
-    assert len(set(result.outcome.tolist())) >= 4  # the cloud is wide
-    if readings == Variants.consistent():
-        failed = result.outcome == Outcome.FAILED
-        assert set(result.reason[failed]) <= {Reason.IMPOSSIBLE_START}
-        assert {Reason.MOVED_AWAY, Reason.OVERTURNED, Reason.EDGE_ON_OTHER_FACE} <= set(
-            result.reason
-        )
 
 
 # ------------------------------------------------------------------------------ reasons of the end

@@ -16,7 +16,7 @@ from model.sweeps.io import write_dataset
 from model.sweeps.settings import Ensemble, RunSettings
 from model.sweeps.sweep import Sweep, merge, run
 from model.sweeps.version import version
-from study.config import GRIDDED, Study
+from study.config import Study
 from study.config.identification import Grid
 from study.evidence.cases import cases_dataset, cases_plan
 from study.plans import sweep_of
@@ -85,7 +85,7 @@ def design() -> xr.Dataset:
 
 def judged(study: Study) -> xr.Dataset:
     """Verdicts by case."""
-    counts = dict.fromkeys(GRIDDED, 3) | {"fig05": 1}
+    counts = dict.fromkeys(study.named("curves", "map"), 3) | {"fig05": 1}
     tiny = Grid(counts=counts, horizon=1.0, tolerance=1e-4)
     plan = cases_plan(study)
     return cases_dataset(

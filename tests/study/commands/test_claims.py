@@ -4,7 +4,6 @@ import json
 
 import pytest
 
-from model.sweeps.io import write_dataset
 from study import __main__ as cli
 from study.claims import CLAIMS, tally
 from study.claims.regime import Regime
@@ -31,13 +30,3 @@ def test_the_regime_is_a_line_for_every_figure(root, datasets, capsys) -> None:
     found = json.loads(capsys.readouterr().out)
     aligned = (datasets["fig07"]["outcome"].values == 0).mean()
     assert found[2]["aligned"] == pytest.approx(aligned, abs=1e-3)
-
-
-def test_what_cannot_be_read_is_named(tmp_path, datasets, capsys) -> None:
-    assert cli.main(["claims", "--root", str(tmp_path)]) == cli.REFUSED
-    assert "holds no claims of the study" in capsys.readouterr().err
-    assert cli.main(["claims", "--root", str(tmp_path), "--regime"]) == cli.REFUSED
-    assert "holds no datasets of the study" in capsys.readouterr().err
-    write_dataset(datasets["fig06"].drop_vars("unvibrated"), tmp_path / "data/fig06.nc")
-    assert cli.main(["claims", "--root", str(tmp_path), "--regime"]) == cli.REFUSED
-    assert "the figure has no 'unvibrated'" in capsys.readouterr().err

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from study.tracking import checkout, code
-from study.tracking.code import code_of, import_closure
+from study.tracking.code import code_of
 
 PROJECT = Path(__file__).resolve().parents[3]
 
@@ -23,38 +23,6 @@ def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return copy / "model"
 
 
-def hashes(package: Path) -> dict[str, list[str]]:
-    code._parsed.cache_clear()
-    files = {"runs": "model/runs/align.py", "datasets": "model/sweeps/io.py"}
-    files["style"] = "vibralign/plots/style.py"
-    project = package.parents[1]
-    return {name: code_of(project, f"src/{path}") for name, path in files.items()}
-
-
-def edit(path: Path, old: str, new: str) -> None:
-    text = path.read_text(encoding="utf-8")
-    assert old in text
-    path.write_text(text.replace(old, new), encoding="utf-8")
-
-
-def test_comments_layout_and_docstrings_change_nothing(package):
-    before = hashes(package)
-    forces = package / "physics" / "forces.py"
-    edit(forces, "from model.physics.trig", "# a comment\n\n\nfrom model.physics.trig")
-    edit(forces, "the pressing force, downward", "other words")
-    assert hashes(package) == before
-
-
-def test_an_edit_changes_what_depends_on_it_and_nothing_else(package):
-    before = hashes(package)
-    edit(package / "physics" / "forces.py", "return -p.press_force", "return -1.01 * p.press_force")
-    after = hashes(package)
-    for name in ("runs", "datasets"):
-        changed = set(after[name]) ^ set(before[name])
-        assert {each.split()[0] for each in changed} == {"model/physics/forces.py"}
-    assert after["style"] == before["style"]
-
-
 def test_what_is_kept_on_disk_is_what_is_found_anew(tmp_path, monkeypatch):
     source = PROJECT / "src/study/claims/claims.py"  # with a companion
     find = code._parsed.__wrapped__
@@ -64,43 +32,6 @@ def test_what_is_kept_on_disk_is_what_is_found_anew(tmp_path, monkeypatch):
     assert len(list(tmp_path.iterdir())) == 1
     monkeypatch.setattr(code, "ast", None)  # it is not parsed again
     assert find(source) == before
-
-
-def test_where_script_and_package_stand_changes_nothing(tmp_path, package):
-    script = "workflow/scripts/plot.py"
-    found = []
-    for folder in (tmp_path / "a", tmp_path / "z"):  # before and after the package, by name
-        (folder / script).parent.mkdir(parents=True)
-        shutil.copy(PROJECT / script, folder / script)
-        (folder / "requirements.lock").touch()
-        found.append(code_of(folder, script))
-    assert package.is_dir()
-    assert found[0] == found[1]
-
-
-def test_a_plotting_script_does_not_depend_on_the_integrator():
-    closure = {path.name for path in import_closure(PROJECT / "workflow/scripts/schematic.py")}
-    assert {"schematic.py", "fig04.py", "geometry.py"} <= closure
-    assert not {"step.py", "series.py"} & closure
-
-
-def test_a_computing_script_depends_on_all_that_it_computes_with():
-    closure = {path.name for path in import_closure(PROJECT / "workflow/scripts/chunk.py")}
-    assert {"forces.py", "contacts.py", "step.py", "series.py", "sweep.py"} <= closure
-    assert not {"plots.py", "sheet.py", "page.py", "__main__.py"} & closure
-    assert not {"study.py", "checks.py", "figures.py", "claims.py", "accuracy.py"} & closure
-
-
-def test_what_records_a_job_and_what_only_types_need_is_no_code_of_it(tmp_path):
-    files = [PROJECT / "workflow/scripts/chunk.py", PROJECT / "src/model/sweeps/sweep.py"]
-    assert not [path for path in import_closure(*files) if path.parent.name == "tracking"]
-    typed = tmp_path / "typed.py"
-    typed.write_text(
-        "from typing import TYPE_CHECKING\n"
-        "if TYPE_CHECKING:\n    from study.config.study import Study\n"
-        "else:\n    from model.sweeps.files import write_text\n"
-    )
-    assert {path.name for path in import_closure(typed)} == {"typed.py", "files.py"}
 
 
 def test_a_new_pin_changes_the_code_of_every_script(tmp_path):

@@ -162,31 +162,32 @@ def log(folder: Path) -> list[dict[str, str]]:
 def test_accepting_makes_a_red_build_green_and_logs_the_numbers(root: Path, tmp_path: Path) -> None:
     reference = tmp_path / "reference"
     assert [each.variable for each in verify(root, reference, ["fig06"])] == ["dataset"]
-    accept(root, reference, ["fig06", "fig01"], "the first reference")
+    accept(root, reference, {"fig06": True, "fig01": False}, "the first reference")
     assert verify(root, reference, ["fig06"]) == []
     changed = curves()
     changed["tau_align"][3, 3] += 0.25
     write_dataset(changed, root / "data/fig06.nc")
     assert [each.variable for each in verify(root, reference, ["fig06"])] == ["tau_align"]
-    accept(root, reference, ["fig06"], "a longer spring")
+    accept(root, reference, {"fig06": True}, "a longer spring")
     assert verify(root, reference, ["fig06"]) == []
     first, picture, line = log(reference)
     assert tuple(line) == LOG_COLUMNS
-    assert (first["variable"], picture["what"]) == ("(first)", "fig01")
+    assert (first["changed"], picture["what"]) == ("(first)", "fig01")
     assert line["reason"] == "a longer spring"
-    assert (line["variable"], line["differing"], line["largest"]) == ("tau_align", "1", "0.25")
+    assert (line["changed"], line["most"]) == ("tau_align", "tau_align")
+    assert (line["differing"], line["largest"]) == ("1", "0.25")
     assert line["at"] == "tilt_stiffness=4 press_force=3"
 
 
 def test_claims_are_part_of_the_reference(root: Path, tmp_path: Path) -> None:
     reference = tmp_path / "reference"
-    accept(root, reference, ["claims", "fig06"], "the first reference")
+    accept(root, reference, {"claims": False, "fig06": True}, "the first reference")
     (root / "claims.csv").write_text("id,verdict\nF5a,contradicted\n")
     (finding,) = verify(root, reference, ["fig06"])
     assert (finding.variable, finding.words) == ("F5a", "reproduced became contradicted")
-    accept(root, reference, ["claims"], "read again in the paper")
+    accept(root, reference, {"claims": False}, "read again in the paper")
     assert verify(root, reference, ["fig06"]) == []
-    assert log(reference)[-1]["after"] == "contradicted"
+    assert log(reference)[-1]["changed"] == "F5a"
     (root / "claims.csv").unlink()
     assert "is missing" in verify(root, reference, ["fig06"])[0].words
 
@@ -195,7 +196,7 @@ def test_nothing_is_accepted_without_a_reason_or_a_build(root: Path, tmp_path: P
     reference = tmp_path / "reference"
     for reason in ("", "  ", "ok"):
         with pytest.raises(TrackingError, match="say in a few words why"):
-            accept(root, reference, ["fig06"], reason)
+            accept(root, reference, {"fig06": True}, reason)
     with pytest.raises(TrackingError, match=r"fig07\.nc is missing"):
-        accept(root, reference, ["fig06", "fig07"], "the first reference")
+        accept(root, reference, {"fig06": True, "fig07": True}, "the first reference")
     assert not reference.exists(), "nothing of it is accepted then"

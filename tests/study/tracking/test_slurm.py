@@ -5,7 +5,6 @@ from pathlib import Path
 import pytest
 
 from study.tracking import TrackingError
-from study.tracking.history import runs_without_record
 from study.tracking.slurm import refuse_held_jobs, slurm_reasons
 
 LIMIT = (
@@ -54,12 +53,6 @@ def test_an_error_of_squeue_is_no_answer(folder, answer):
     refuse_held_jobs(folder.parent)  # which submitted nothing: it is not asked
 
 
-def test_without_squeue_nothing_starts_where_jobs_were_submitted(folder, monkeypatch):
-    monkeypatch.setenv("PATH", "")
-    with pytest.raises(TrackingError, match="no squeue to ask for them"):
-        refuse_held_jobs(folder)
-
-
 def test_reasons_come_from_the_log_of_slurm(folder, monkeypatch):
     monkeypatch.chdir(folder)
     logs = folder / ".snakemake/slurm_logs"
@@ -88,18 +81,3 @@ def test_reasons_come_from_the_log_of_slurm(folder, monkeypatch):
         "kernels": "Slurm job 6: ModuleNotFoundError: No module named 'model'",
         "precision": "Slurm job 7: ended before it began; Slurm wrote no log",
     }
-
-
-def test_a_reason_is_taken_where_the_log_of_the_run_is_silent(tmp_path):
-    (tmp_path / "logs").mkdir()
-    (tmp_path / "logs/kernels.log").write_text("start 1 2026\n", encoding="utf-8")
-    (tmp_path / "logs/claims.log").write_text("start 1 2026\nValueError: no such figure\n", "utf-8")
-    reasons = dict.fromkeys(("kernels", "claims", "history/fig05"), "Slurm job 5: time limit")
-    found = {each["run"]: each for each in runs_without_record(tmp_path, 1, reasons, set())}
-    assert {run: each["reason"] for run, each in found.items()} == {
-        "claims": "ValueError: no such figure",
-        "history/fig05": "Slurm job 5: time limit",
-        "kernels": "Slurm job 5: time limit",
-    }
-    assert {each["status"] for each in found.values()} == {"failed"}
-    assert found["history/fig05"]["figure"] == "fig05"

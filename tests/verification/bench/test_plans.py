@@ -24,11 +24,3 @@ def test_wording_is_no_part_of_a_plan(study: Study) -> None:
     other = precision_plan(with_case(study, at={"friction": 0.03}))
     assert other.identity != plan.identity
     assert other.cases["aligned"].parameters["friction"] == 0.03
-
-
-def test_a_case_holds_what_its_figure_holds(study: Study) -> None:
-    case = study.precision.cases["aligned"]
-    held = study.figures[case.figure].held
-    parameters = precision_plan(study).cases["aligned"].parameters
-    assert held
-    assert held | case.at == {name: parameters[name] for name in held | case.at}

@@ -1,18 +1,15 @@
 """The table of ``make bench``: settings at the target error, times in turn, rows and remarks."""
 
-import csv
-import json
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from verification.bench.methods.base import Method, NotReachedError
 from verification.bench.problems import Problem, Solution
-from verification.bench.table import TARGET, TOLERANCES, Row, compare, loosest, text, write
+from verification.bench.table import TARGET, TOLERANCES, Row, compare, loosest, text
 from verification.bench.trajectories import W1, W2
 from vibralign import Parameters, Settings, simulate
 
@@ -55,12 +52,6 @@ def problem(monkeypatch: pytest.MonkeyPatch) -> Problem:
     return Problem("p", (W1, W2), Settings(horizon=10.0))
 
 
-def test_the_ladder_falls_by_half_decades() -> None:
-    assert TOLERANCES[0] == 1e-4
-    assert TOLERANCES[-1] == 1e-14
-    assert np.diff(np.log10(TOLERANCES)) == pytest.approx(-0.5, abs=1e-3)
-
-
 @pytest.mark.parametrize(
     ("factor", "tolerance"), [(0.9, 1e-8), (0.1, 1e-7), (2.0, 3.16e-9), (30.0, 3.16e-10), (0, 1e-4)]
 )
@@ -74,11 +65,6 @@ def test_the_loosest_tolerance_that_keeps_the_target_is_found(
     assert row.true_error <= TARGET
     tried = [resolution for count, resolution in method.calls if count == 2]
     assert tried == TOLERANCES[: TOLERANCES.index(tolerance) + 1]
-
-
-def test_what_does_not_get_there_says_why(problem: Problem) -> None:
-    never = loosest(Pretended(factor=1e8), problem, budget=60.0)
-    assert (never.remark, math.isnan(never.tolerance)) == ("not at any tolerance", True)
 
 
 def test_a_method_that_fails_at_coarse_tolerances_is_asked_for_finer_ones(problem: Problem) -> None:
@@ -127,12 +113,3 @@ def test_the_text_says_why_a_method_has_no_number() -> None:
     assert sum("theirs" in line for line in lines) == 2
     assert ROW.nanoseconds_per_evaluation == 50.0
     assert ROW.nanoseconds_per_event == 125.0
-
-
-def test_what_is_kept_can_be_read_again(tmp_path: Path) -> None:
-    write(TABLE, {"peak_gflops": 58.7}, tmp_path)
-    with (tmp_path / "peers.csv").open(encoding="utf-8", newline="") as handle:
-        kept = list(csv.DictReader(handle))
-    assert [row["ratio"] for row in kept] == ["0.25", "1", "nan", "0.25"]
-    assert kept[2]["remark"] == "out of time"
-    assert json.loads((tmp_path / "machine.json").read_text()) == {"peak_gflops": 58.7}

@@ -56,6 +56,11 @@ def test_a_panel_shows_the_right_settings_of_its_case(timed_settings, work):
             ]
             assert drawn(axes, method) == expected
             points += len(expected)
+        (uncertainty,) = {each.uncertainty for each in timed_settings if each.case == case}
+        (shade,) = axes.patches
+        assert shade.get_x() + shade.get_width() == pytest.approx(
+            max(uncertainty, axes.get_xlim()[1])
+        )
     assert points == 19
     assert figure.axes[0].get_xscale() == figure.axes[0].get_yscale() == "log"
     legend = [text.get_text() for text in figure.legends[0].get_texts()]

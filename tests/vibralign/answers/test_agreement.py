@@ -9,6 +9,7 @@ import base64
 import gzip
 import json
 import math
+import re
 from collections.abc import Collection
 from dataclasses import replace
 from importlib.util import find_spec
@@ -58,7 +59,7 @@ from vibralign.device.runs import of_device
 from vibralign.plots import device_sheet
 
 SQUARE = Path(__file__).resolve().parents[2] / "square"
-COUNT, MANY = 8, 60
+COUNT, MANY = 3, 60
 TILTS = (None, "0.2 deg", "-0.1 deg ± 0.2 deg", "0.1 deg σ 0.1 deg")
 APPROACHES = (
     {"approach_speed": "sudden"},
@@ -67,6 +68,7 @@ APPROACHES = (
 )
 VARIED = ("press_force", "frequency", "mass", "amplitude", "tilt_stiffness", "friction")
 HORIZON = 0.4  # s
+NUMBER = r"\d+(?:\.\d+)?(?:e[-+]\d+)?"
 ROUGH = ["--tolerance", "1e-6", "--horizon", f"{HORIZON} s"]
 
 
@@ -191,7 +193,8 @@ def agreed(path: Path, folder: Path, capsys: pytest.CaptureFixture[str]) -> bool
         assert force.attrs["comment"].startswith(f"from the stated start, {known}")
         told, varying = json.loads(stored.attrs["assumptions"]), {"goal", "base", "horizon"}
         for name, words in assessed["assumptions"].items():
-            assert told[name] == words or (name in varying and "corners of the map" in told[name])
+            at_corners = name in varying and "corners of the map" in told[name]
+            assert at_corners or alike(told[name], words)
         at_least = reliable_at(least, replace(settings, horizon=HORIZON / least.units.time))
         assert bool(stored["reliable"][0, 0]) is bool(at_least[0])
 
@@ -232,6 +235,13 @@ def agreed(path: Path, folder: Path, capsys: pytest.CaptureFixture[str]) -> bool
     assert check.going_in == assessed["yield"]["going_in"] or not reliable
     assert (check.row[0] == 1.0) is (reliable and assessed["yield"]["share"] == 1.0)
     return reliable
+
+
+def alike(words: str, others: str) -> bool:
+    """Return whether words are the same, and their numbers to the last of four digits."""
+    numbers = [[float(each) for each in re.findall(NUMBER, text)] for text in (words, others)]
+    same = re.sub(NUMBER, "", words) == re.sub(NUMBER, "", others)
+    return same and numbers[0] == pytest.approx(numbers[1], rel=1e-3)
 
 
 def starts_of_study(device: StatedDevice, varied: Collection[str] = ()) -> Starts:

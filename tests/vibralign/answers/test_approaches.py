@@ -10,10 +10,11 @@ import yaml
 from model.events.outcomes import Reason
 from model.sweeps.settings import Ensemble
 from vibralign import INSERTION, Settings, load_device, reliable_at, simulate
-from vibralign.answers.approaches import in_worst_approach, with_each_approach, worst_of
+from vibralign.answers.approaches import in_worst_approach, worst_of
 from vibralign.answers.assess import assess
 from vibralign.answers.cases import approach_of, cases_of, without_approach
 from vibralign.answers.reliability import from_every_start, run_devices
+from vibralign.answers.verdicts import verdicts_on
 from vibralign.commands import main as cli
 from vibralign.device import DeviceError
 from vibralign.device.approach import Approach
@@ -98,13 +99,13 @@ def test_cases_run_as_devices_that_state_their_approach():
 def test_assess_has_a_line_for_each_and_one_verdict():
     device = changed(gripper_tilt=0.0)
     result = assess(device, SETTINGS, FEW, vary=False)
-    assert [each.approach for each in result.approaches] == list(device.approaches())
+    assert [each.of for each in result.approaches] == list(device.approaches())
     assert sum(each.starts for each in result.approaches) == result.starts
     assert result.reliable == all(each.reliable for each in result.approaches)
     assert result.worst == worst_of(result.approaches)
     assert in_worst_approach(device, SETTINGS, FEW) == device.lowered(result.worst)
     for each in result.approaches:
-        alone = assess(device.lowered(each.approach), SETTINGS, FEW, vary=False)
+        alone = assess(device.lowered(each.of), SETTINGS, FEW, vary=False)
         assert (alone.aligned, alone.tau_worst) == (each.aligned, each.tau_worst)
         assert alone.contact_force_max == each.force_most
     struck = max(each.force_most for each in result.approaches)
@@ -146,6 +147,7 @@ def test_the_press_alone_is_counted():
     cases = [{**case, "vibrates": 0.0, "approach_speed": 0.03} for case in cases_of(device, FEW)]
     found, _ = from_every_start(device, {"friction": np.array([0.02])}, cases, SETTINGS)
     assert (found["reason"] == Reason.BY_PRESS).all()
-    [verdict] = with_each_approach(cases, {name: each[0] for name, each in found.items()})
-    assert verdict.approach == Approach("still", 0.03)
+    results = {name: each[0] for name, each in found.items()}
+    [verdict] = verdicts_on([*map(approach_of, cases)], cases, results)
+    assert verdict.of == Approach("still", 0.03)
     assert verdict.by_press == verdict.aligned == len(cases)

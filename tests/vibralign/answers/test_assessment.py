@@ -10,11 +10,16 @@ import pytest
 from model.sweeps.settings import Ensemble
 from model.sweeps.starts import every_start, starts_of
 from vibralign import Settings, simulate
-from vibralign.answers.assess import Assessment, BaseVerdict, assess, impact_speed
+from vibralign.answers import leeways as module
+from vibralign.answers.assess import Assessment, assess, impact_speed
 from vibralign.answers.cases import cases_of
+from vibralign.answers.causes import Cause, first_change
 from vibralign.answers.leeways import (
     ADDED,
+    AT_ONCE,
+    BEYOND,
     FINEST,
+    PARTS,
     STEP,
     STEPS,
     VARIED,
@@ -23,6 +28,8 @@ from vibralign.answers.leeways import (
     nearest,
 )
 from vibralign.answers.reliability import are_reliable, reliable_at, run_devices
+from vibralign.answers.si import written_words
+from vibralign.answers.verdicts import Base, Verdict
 from vibralign.device import load_device
 from vibralign.device.batches import devices_of
 
@@ -61,13 +68,21 @@ def test_a_leeway_ends_less_than_half_a_per_cent_before_a_failure(device):
     assert (friction.bounded_below, friction.bounded_above) == (False, True)
 
 
-def test_one_parameter_varies_at_a_time_in_four_batches(device):
+def test_one_parameter_varies_at_a_time_and_few_values_beyond_an_end(device):
     is_reliable, calls = oracle(device, press_force=(0.99 * device.press_force, np.inf))
     assert {each.parameter for each in leeways(device, is_reliable)} == set(VARIED)
     for swept in calls:
         off = sum(values != getattr(device, name) for name, values in swept.items())
         assert (off == 1).all()
-    assert len(calls) == 4  # the steps, parts of one, parts of such a part, values about the end
+    # Steps, parts of one, parts of such a part, values about the end.
+    assert len(calls) == STEPS // AT_ONCE + 3
+    lower = [
+        value
+        for swept in calls
+        for value in swept["press_force"]
+        if value < 0.99 * device.press_force
+    ]
+    assert len(lower) <= AT_ONCE + sum(PARTS) + BEYOND
 
 
 def test_steps_may_be_tried_roughly_and_an_end_never_is(device):
@@ -76,7 +91,8 @@ def test_steps_may_be_tried_roughly_and_an_end_never_is(device):
     roughly, steps = oracle(device, press_force=(0.0, 2.9 * 0.95))
     is_reliable, parts = oracle(device, press_force=(0.0, 2.9))
     found = leeways(device, is_reliable, roughly=roughly)
-    assert (len(steps), len(parts)) == (1, 5)  # ends, the scan that was wrong, parts, about the end
+    # Ends, the scan that was wrong in two batches, parts, parts of a part, about the end.
+    assert (len(steps), len(parts)) == (STEPS // AT_ONCE, 6)
     assert found == leeways(device, is_reliable)
 
 
@@ -142,7 +158,8 @@ def test_the_first_change_is_a_step_inside_where_that_is_reliable(
     assert a_step_inside(device, is_reliable, both) == both
 
 
-def test_the_model_is_reliable_up_to_a_leeway_and_not_beyond(device):
+def test_the_model_is_reliable_up_to_a_leeway_and_not_beyond(device, monkeypatch):
+    monkeypatch.setattr(module, "VARIED", ("press_force", "tilt_stiffness", "friction"))
     found = assess(device, COARSE, ENSEMBLE)
     assert (found.reliable, found.starts, found.aligned) == (True, 6, 6)
     starts = starts_of(device, ENSEMBLE)
@@ -193,7 +210,26 @@ def test_a_device_in_si_units_is_varied_in_all_of_them_as_set_does():
             assert parameters == load_device(SHAFT, changes).parameters
 
 
-def test_the_nearest_amplitude_is_found_and_holds():
+def test_what_a_file_states_in_place_of_a_parameter_is_varied_and_named():
+    stated = load_device(PEG, {"play": "20 um", "tilt_frequency": "20 Hz"})
+    asked = []
+
+    def is_reliable(values):
+        asked.append(values)
+        return values["play"] < 30e-6
+
+    found = {each.parameter: each for each in leeways(stated, is_reliable)}
+    assert not {"clearance", "tilt_stiffness"} & {*found, *asked[0]}
+    assert found["play"].high == pytest.approx(30e-6, rel=FINEST)
+    assert written_words("play", found["play"].high, stated) == f"{1e6 * found['play'].high:.4g} um"
+    near = nearest(stated, lambda values: values["play"] > 30e-6)
+    cause = Cause("it wedges", (("clearance", 1),))
+    assert [*first_change(cause, near)] == ["play"]
+
+
+def test_the_nearest_amplitude_is_found_and_holds(monkeypatch):
+    monkeypatch.setattr(module, "VARIED", ())
+    monkeypatch.setattr(module, "UNITS", ("amplitude",))
     changes = {"amplitude": 0.5e-3, "contact_stiffness": 3e5}
     stated = load_device(PEG, changes)
     found = assess(stated, COARSE, ENSEMBLE)
@@ -223,7 +259,7 @@ def test_a_horizon_in_seconds_holds_for_devices_of_any_mass():
 
 
 def verdict(stiffness, restitution=0.5, aligned=8, worst=3.0):
-    return BaseVerdict(stiffness, restitution, 8, aligned, 2.0, worst)
+    return Verdict(Base(stiffness, restitution), 8, aligned, 2.0, worst)
 
 
 def test_a_verdict_holds_on_every_base_or_depends_on_it():
@@ -253,7 +289,7 @@ def test_an_open_base_is_tried_up_to_that_of_steel_and_a_stated_one_is_not():
         assert found.reliable
     found = load_device(PEG, {"contact_stiffness": 3e5, "contact_damping": 20.0})
     bases = assess(found, COARSE, ENSEMBLE, bases=True, vary=False).bases
-    assert [each.restitution for each in bases] == [None] * 5
+    assert [each.of.restitution for each in bases] == [None] * 5
 
 
 def test_an_impact_speed_is_that_of_a_fall(device):
@@ -269,6 +305,8 @@ def test_an_impact_speed_is_that_of_a_fall(device):
     rates = (depth[before + 1] - depth[before]) / (run.time[before + 1] - run.time[before])
     assert impact_speed(run) == pytest.approx(rates.max(), rel=0.2)
     assert impact_speed(simulate(device.replace(press_force=3.0), horizon=0.1)) == 0.0
+    parting = run.state * [1.0, 1.0, 1.0, -1.0, -1.0, -1.0]
+    assert impact_speed(replace(run, state=parting)) == 0.0  # never below
 
 
 def test_reliable_forces_are_asked_in_si_units():

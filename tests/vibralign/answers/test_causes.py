@@ -1,11 +1,13 @@
 """Causes of failures in words: that they are true of the run, for both shapes."""
 
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from model.events.outcomes import Outcome, Reason
 from model.physics.geometry import crescent
 from model.physics.parameters import Batch, RoundConstants
 from model.physics.variants import Variants
@@ -13,7 +15,8 @@ from model.runs.simulate import simulate_once
 from model.sweeps.settings import Ensemble
 from vibralign import INSERTION, Settings, load_device
 from vibralign.answers.assess import assess
-from vibralign.answers.causes import _lean, cause_of
+from vibralign.answers.causes import _lean, cause_of, waits_in_vain
+from vibralign.commands import main as cli
 
 PEG = Path(__file__).resolve().parents[2] / "square" / "peg.yaml"
 STIFF = {"contact_stiffness": 4.8e6}
@@ -35,7 +38,7 @@ def test_a_part_that_hardly_slips_sticks_on_its_edge_or_on_the_rim():
         assert share == pytest.approx(100.0 * run.sticking_share, abs=0.06)
     words = cause_of(square, "square").words
     friction = math.degrees(math.atan(0.9))
-    assert f"against a friction angle of {friction:.2g}°" in words
+    assert f"by friction it slides only from {friction:.2g}° on" in words
     assert f"tilted by at most {math.degrees(square.tilt_max):.2g}°" in words
 
 
@@ -57,12 +60,41 @@ def test_the_angle_of_a_round_part_is_that_of_the_wedge():
     assert found.normal < found.friction  # it sticks
 
 
-def test_what_is_to_change_first_cures_it_for_both_shapes():
-    for shape, friction in (("square", 0.3), ("round", 0.2)):
-        device = replace(load_device(PEG, STIFF | {"friction": friction}), stated_shape=shape)
-        few = Ensemble(phases=2, tilts=[1.0], every=1)
-        found = assess(device, SETTINGS, few)
-        assert found.cause
-        assert found.change
-        cured = assess(device.changed(**found.change), SETTINGS, few, vary=False)
-        assert cured.reliable
+@pytest.mark.parametrize("to_the_hole", [True, False])
+def test_a_part_that_moves_away_has_no_share_of_the_way_below_zero(to_the_hole):
+    run = run_of("square", friction=0.9)
+    state = run.state.copy()
+    state[-1, 0] += -0.2 if to_the_hole else 0.2
+    late = {"outcome": Outcome.HORIZON_REACHED, "reason": Reason.NONE, "sticking_share": 0.5}
+    words = cause_of(replace(run, state=state, tau_align=math.nan, **late), "square").words
+    assert ("it has come" if to_the_hole else "it has moved away from the hole, by") in words
+    assert not re.search(r"-[\d.]+ %", words)
+
+
+def test_a_part_that_sticks_or_hardly_moves_is_not_told_to_wait_longer(capsys):
+    run = run_of("square", friction=0.9)
+    slow = replace(run, outcome=Outcome.HORIZON_REACHED, sticking_share=0.986)
+    assert waits_in_vain(slow)
+    state = run.state.copy()
+    state[-1, 0] -= 0.5 * (run.parameters.slot_half_width + run.parameters.half_width)
+    assert not waits_in_vain(replace(slow, state=state))
+    sets = ["--set", "friction=0.9", "--set", "contact_stiffness=4.8e6"]
+    given = ["--device", str(PEG), *sets, "--horizon", "0.1 s", "--tolerance", "1e-6"]
+    assert cli.main(["simulate", *given]) == cli.DONE
+    told = capsys.readouterr().out.partition("what to do")[2].partition("\n")[0]
+    assert "a longer horizon does not help" in told
+    assert "raise the horizon" not in told
+
+
+@pytest.mark.parametrize(
+    ("shape", "friction"),
+    [("round", 0.2), pytest.param("square", 0.3, marks=pytest.mark.nightly)],
+)
+def test_what_is_to_change_first_cures_it(shape, friction):
+    device = replace(load_device(PEG, STIFF | {"friction": friction}), stated_shape=shape)
+    few = Ensemble(phases=2, tilts=[1.0], every=1)
+    found = assess(device, SETTINGS, few)
+    assert found.cause
+    assert found.change
+    cured = assess(device.changed(**found.change), SETTINGS, few, vary=False)
+    assert cured.reliable

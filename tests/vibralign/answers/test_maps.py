@@ -17,8 +17,8 @@ from study.config import load_study, study_path
 from study.plans import sweep_of
 from vibralign import align
 from vibralign.answers.cases import cases_of
-from vibralign.answers.maps import QuantityAxis, map_of
-from vibralign.answers.reliability import from_every_start
+from vibralign.answers.maps import QuantityAxis, in_every_case, map_of
+from vibralign.answers.reliability import are_reliable, from_every_start
 from vibralign.device import load_device
 
 PEG = Path(__file__).parents[2] / "square" / "peg.yaml"
@@ -89,8 +89,8 @@ def test_the_margin_is_the_distance_to_the_nearest_unreliable_node(found):
     assert margin_of(np.array([[True], [False]])).tolist() == [[1.0], [0.0]]
 
 
-@pytest.mark.parametrize("chunks", [2, 5])
-def test_chunks_and_cores_do_not_change_the_map(sweep, found, chunks, tmp_path):
+def test_chunks_and_cores_do_not_change_the_map(sweep, found, tmp_path):
+    chunks = 5
     paths = [tmp_path / f"{chunk}.nc" for chunk in range(chunks)]
     for chunk, path in enumerate(paths):
         write_dataset(run(sweep, chunk, chunks, cores=1 + chunk % 2), path)
@@ -140,6 +140,23 @@ def test_a_map_of_a_device_runs_its_devices_from_every_start():
         np.testing.assert_array_equal(outcome, runs["outcome"][0])
         seconds = found["start_tau_align"].values[row, column].ravel()
         np.testing.assert_allclose(seconds, runs["tau_align"][0] * one.units.time, rtol=1e-12)
+
+
+def test_a_reliable_node_of_a_device_is_so_in_every_case():
+    """Of a device that states neither approach nor base, the map tries one; then all others."""
+    peg = load_device(PEG.parents[2] / "docs" / "peg.yaml")
+    few, settings = Ensemble(phases=4, tilts=[1.0], every=1), SETTINGS.settings
+    x = QuantityAxis(parameter="press_force", start=2.0, stop=8.0, count=3)
+    y = QuantityAxis(parameter="amplitude", start=1e-3, stop=2.5e-3, count=3)
+    sweep = map_of(peg, SETTINGS, (x, y), few)
+    first = merge(sweep, "title", [run(sweep)])
+    found = in_every_case(first, peg, settings, few)
+    across, up = np.meshgrid(x.values, y.values)
+    values = {"press_force": across.ravel(), "amplitude": up.ravel()}
+    every = are_reliable(peg, values, cases_of(peg, few), settings)
+    assert found["reliable"].values.ravel().tolist() == every.tolist()
+    assert 0 < every.sum() < first["reliable"].values.sum()
+    np.testing.assert_array_equal(found["margin"], margin_of(every.reshape(3, 3)))
 
 
 def test_every_map_of_the_study_has_its_starts():

@@ -117,6 +117,18 @@ def test_the_quantity_that_fails_is_to_blame(monkeypatch):
     assert found.sobol_indices[0].failure > 0.8
 
 
+def test_too_few_failures_blame_no_tolerance(monkeypatch):
+    stated = peg(friction="± 0.05", press_force="± 1")
+    oracle(monkeypatch, lambda v: v["friction"] > 0.1999)
+    found, _ = yield_of(stated, STARTS, COARSE, devices=4096)
+    assert 0 < found.devices - found.going_in < 10
+    assert found.blame.startswith("too few of one kind to blame a tolerance: ")
+    assert all(not each.failure > 1.0 for each in found.sobol_indices)
+    oracle(monkeypatch, lambda v: v["friction"] > 0.18)
+    found, _ = yield_of(stated, STARTS, COARSE, devices=512)
+    assert found.blame.startswith("of failures: friction ")
+
+
 def test_the_nearest_device_that_fails_is_by_its_largest_deviation_in_tolerances():
     stated = peg(friction="± 0.05", press_force="σ 1")
     # In tolerances: (0.2, 0.1) goes in; (0.8, 0.1), (0.4, 0.6) and (0.1, 1.2) do not.
@@ -150,10 +162,10 @@ def test_the_nearest_failing_device_of_the_peg_fails_when_its_command_is_run(cap
     device = ["--device", str(PEG)]
     device += ["--set", "friction=0.15 ± 0.08", "--set", "contact_stiffness=3e5"]
     rough = ["--horizon", "600 ms", "--tolerance", "1e-6"]
-    assert cli.main(["assess", *device, *rough, "--devices", "16"]) == cli.DONE
+    assert cli.main(["assess", "--details", *device, *rough, "--devices", "16"]) == cli.DONE
     lines = capsys.readouterr().out.splitlines()
-    place = next(i for i, line in enumerate(lines) if line.startswith("fails nearest"))
-    assert "% of the tolerances" in lines[place]
+    assert any(e.startswith("fails nearest") and "% of the tolerances" in e for e in lines)
+    place = lines.index("the nearest that fails:")
     command = shlex.split(lines[place + 1])
     assert cli.main([*command[1:], *rough]) == cli.DONE
     assert "does not align" in capsys.readouterr().out

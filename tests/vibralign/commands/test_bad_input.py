@@ -32,8 +32,6 @@ MAP = ["map", *PLANE, "--resolution", "4", "--out", "ROOT/map.nc"]
 # The command line, and what the one line that refuses it must hold. ROOT is an empty folder.
 LINES = [
     (["simulate", "--set", "half_width=0"], ["half_width", "> 0"]),
-    (["simulate", "--set", "=1"], ["''", "half_width"]),
-    (["simulate", "--set", "friction=0.1=2"], ["friction", "'0.1=2'"]),
     (["simulate", "--set", "rest_x=anywhere"], ["rest_x", "'anywhere'", "None"]),
     (["simulate", "--tolerance", "1e-20"], ["tolerance", "1e-14"]),
     (["simulate", "--horizon", "-1"], ["horizon", "> 0"]),
@@ -42,7 +40,6 @@ LINES = [
     (["simulate", "--plot", "ROOT/run.docx"], ["run.docx", ".png", ".svg"]),
     (["simulate", "--plot", "/dev/full/run.png"], ["/dev/full", "does not exist"]),
     (["simulate", "extra"], ["extra", "--help"]),
-    (["simulate", "--press-force", "2"], ["--press-force", "--help"]),
     (["simulate", "--set", "press_force"], ["press_force", "NAME=VALUE"]),
     (["simulate", "--animate", "ROOT/run.mp4"], ["must end in .html"]),
     (["simulate", "--plot", "ROOT/folder.png"], ["is a folder"]),
@@ -50,11 +47,7 @@ LINES = [
         ["simulate", "--set", "pres_force=2"],
         ["unknown parameter 'pres_force'. Did you mean 'press_force'?", *PARAMETER_NAMES],
     ),
-    (["simulate", "--set", "press_force=strong"], ["press_force", "'strong'", "finite number"]),
-    (["simulate", "--set", "press_force=nan"], ["press_force", "nan", "finite number"]),
     (["simulate", "--set", "press_force=1e999"], ["press_force", "inf", "finite number"]),
-    (["simulate", "--set", "press_force=2,5"], ["press_force", "'2,5'", "finite number"]),
-    (["simulate", "--set", "press_force=None"], ["press_force", "'None'", "finite number"]),
     (["simulate", "--set", "misalignment=9"], ["misalignment", "9.0", "beside the slot"]),
     (["simulate", "--set", "friction=0.1", "--set", "friction=0.2"], ["friction", "twice"]),
     (["simulate", "--reading", "friction=printed"], ["'friction'", *VARIANT_NAMES]),
@@ -62,14 +55,10 @@ LINES = [
         ["simulate", "--reading", "friction_law=tanh"],
         ["friction_law", "'tanh'", "consistent", "printed"],
     ),
-    (["simulate", "--horizon", "soon"], ["horizon", "soon", "must be a number"]),
-    (["simulate", "--horizon", "inf"], ["horizon", "inf", "> 0"]),
     (
         ["simulate", "--insertion-depth", "0.2"],
         ["insertion_depth", "0.2", "needs --scene insertion"],
     ),
-    (["simulate", "--tolerance", "1"], ["tolerance", "1", "between 1e-14 and 1e-2"]),
-    (["simulate", "--tolerance", "nan"], ["tolerance", "nan", "between 1e-14 and 1e-2"]),
     ([*DEVICE, "--set", "half_width=-0.005"], ["half_width = -0.005: must be"]),
     (["simulate", "--device", "nowhere.yaml"], ["cannot be read"]),
     ([*DEVICE, "--set", "nu=1"], ["unknown quantity of a device 'nu'"]),
@@ -78,9 +67,7 @@ LINES = [
     ([*DEVICE, *DEPTH, "-1 mm"], ["insertion_depth = '-1 mm': must be a finite number > 0"]),
     ([], ["command"]),
     (["simulte"], ["simulte", "simulate"]),
-    (["assess", "--device", "no.yaml"], ["no.yaml: cannot be read: No such file"]),
     (["assess", "--device", PEG, "--set", "mass=0"], ["mass = 0.0: must be a finite number > 0"]),
-    (["assess", "--set", "fricton=0.1"], ["Did you mean 'friction'?"]),
     (["assess", "--devices", "100"], ["devices = 100: must be a power of two"]),
     (["assess", "--require", "0.9"], ["--require needs a device with tolerances"]),
     (["assess", "--require", "1.5"], ["require = 1.5: must be between 0 and 1"]),
@@ -89,7 +76,7 @@ LINES = [
     (["design", "--device", PEG], ["nothing is free"]),
     *(
         (["design", "--device", PEG, "--generations", n], [f"generations = {n}: must be a whole"])
-        for n in ("0", "nan", "inf")
+        for n in ("0", "nan")
     ),
     (["explore", "--out", "peg.txt"], ["must end in .html"]),
     (["explore", "--out", "no/such/peg.html"], ["does not exist"]),
@@ -99,28 +86,13 @@ LINES = [
         ["default depth only"],
     ),
     ([*MAP, "--device", PEG, "--x", "mas", "1", "2"], ["Did you mean 'mass'?"]),
-    ([*MAP, "--x", "mass", "1", "2"], ["unknown parameter 'mass'"]),
-    ([*MAP, "--device", PEG, "--x", "mass", "0", "2"], ["mass = 0.0: must be a finite number > 0"]),
-    ([*MAP, *TILT, "-0.1", "1", *OF_PEG], ["tilt_stiffness = -0.1: must be a finite number >"]),
-    ([*MAP, "--device", "no.yaml"], ["no.yaml: cannot be read: No such file"]),
     ([*MAP, "--resolution", "1"], ["resolution = 1: must be a whole number, 2 to 1025"]),
-    ([*MAP, "--resolution", "1e9"], ["resolution = 1e9: must be a whole number"]),
-    ([*MAP, "--resolution", "fine"], ["resolution = 'fine': must be a whole number"]),
     ([*MAP, "--x", "tilt_stifness", "1", "2"], ["Did you mean 'tilt_stiffness'?"]),
     ([*MAP, *TILT, "5", "1"], ["--x tilt_stiffness 5 1: must be two finite numbers"]),
-    ([*MAP, *TILT, "0", "inf"], ["must be two finite numbers, the smaller first"]),
-    ([*MAP, *TILT, "a", "1"], ["--x tilt_stiffness = 'a': must be a number"]),
     ([*MAP, "--x", "press_force", "1", "2"], ["'press_force' is varied twice"]),
     ([*MAP, "--x", "friction", "-1", "2"], ["friction = -1.0: must be a finite number >= 0"]),
-    (
-        [*MAP, "--y", "misalignment", "0.2", "50"],
-        ["misalignment = 50.0: must be smaller than half_width"],
-    ),
-    ([*MAP, "--set", "inertia=0"], ["inertia = 0.0: must be a finite number > 0"]),
-    ([*MAP, "--horizon", "0"], ["horizon = 0.0: must be a finite number > 0"]),
     ([*MAP, "--out", "map.csv"], ["--out map.csv: must end in .nc"]),
     ([*MAP, "--out", "nowhere/map.nc"], ["the folder nowhere does not exist"]),
-    ([*MAP, "--plot", "map.xyz"], ["--plot map.xyz: must end in one of"]),
 ]
 
 
@@ -143,21 +115,25 @@ def _nothing_runs(monkeypatch):
         monkeypatch.setattr(f"model.sweeps.sweep.{name}", forbidden)
 
 
-@pytest.mark.usefixtures("_nothing_runs")
-@pytest.mark.parametrize(("line", "words"), LINES, ids=[" ".join(line) for line, _ in LINES])
-def test_a_command_line(capsys, monkeypatch, root, line, words):
-    monkeypatch.chdir(root)
+def is_refused(main, capsys, root, line, words):
+    """The command ends before it computes, in one line, and leaves ``root`` as it was."""
     before = {path: path.is_file() and path.read_bytes() for path in root.rglob("*")}
-    given = [word.replace("ROOT", str(root)) for word in line]
-    code = cli.main(given)
+    code = main([word.replace("ROOT", str(root)) for word in line])
     out, err = capsys.readouterr()
     assert code == cli.REFUSED
     assert out == ""
-    assert err.startswith("vibralign")
+    assert err.startswith(("vibralign", "python -m study"))
     assert err.count("\n") == 1, err
     for word in words:
         assert word.replace("ROOT", str(root)) in err
     assert {path: path.is_file() and path.read_bytes() for path in root.rglob("*")} == before
+
+
+@pytest.mark.usefixtures("_nothing_runs")
+@pytest.mark.parametrize(("line", "words"), LINES, ids=[" ".join(line) for line, _ in LINES])
+def test_a_command_line(capsys, monkeypatch, root, line, words):
+    monkeypatch.chdir(root)
+    is_refused(cli.main, capsys, root, line, words)
 
 
 # ------------------------------------------------------------------------------------- environment
@@ -170,15 +146,18 @@ def run_with(line: list[str], **variables: str) -> subprocess.CompletedProcess[s
     )
 
 
-def test_a_run_without_compiled_kernels(tmp_path, capsys):
-    line = ["simulate", "--horizon", "1", "--json"]
+@pytest.mark.parametrize("more", [[], ["--scene", "insertion", "--shape", "round"]])
+def test_a_run_without_compiled_kernels(tmp_path, capsys, more):
+    """Python computes what the compiled kernels do, to the rounding of fused operations."""
+    line = ["simulate", "--horizon", "1", "--json", *more]
     assert cli.main(line) == cli.DONE
     compiled = json.loads(capsys.readouterr().out)
     done = run_with(line, VIBRALIGN_NO_COMPILATION="1", VIBRALIGN_CACHE=str(tmp_path))
     assert done.returncode == cli.DONE, done.stderr
     python = json.loads(done.stdout)
     assert compiled["outcome"] == python["outcome"]
-    assert compiled["tilt_max"] == pytest.approx(python["tilt_max"], rel=1e-9)
+    for name in ("tilt_max", "contact_force_max", "final_time"):
+        assert compiled[name] == pytest.approx(python[name], rel=1e-9)
 
 
 def test_a_dataset_whose_name_python_cannot_tell(tmp_path):

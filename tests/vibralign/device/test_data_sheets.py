@@ -1,4 +1,4 @@
-"""What a data sheet has: diameter, play, fits, natural frequencies, fixture, vibrator."""
+"""Quantities of a data sheet: diameter, play, fits, natural frequencies, fixture, vibrator."""
 
 import math
 from pathlib import Path

@@ -143,6 +143,12 @@ class Page:
         return str(self.evaluate(f"document.getElementById({json.dumps(name)}).textContent"))
 
     @property
+    def address(self) -> str:
+        """Part of the address after its #, once it is that of the state: it follows the answer."""
+        self.wait_for("location.hash === hashOf(state, MODEL)")
+        return str(self.evaluate("location.hash"))
+
+    @property
     def results(self) -> dict[str, Any]:
         """Results of the run that is shown."""
         found: dict[str, Any] = self.evaluate("explorer.run.results")
@@ -180,6 +186,34 @@ class Page:
         for kind in ("mousePressed", "mouseReleased"):
             self._call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left",
                        buttons=1, clickCount=1)  # fmt: skip
+
+    @contextlib.contextmanager
+    def touched(self) -> Iterator[None]:
+        """Give the window a screen that is touched, in the block."""
+        self._call("Emulation.setTouchEmulationEnabled", enabled=True)
+        try:
+            yield
+        finally:
+            self._call("Emulation.setTouchEmulationEnabled", enabled=False)
+
+    def swipe(self, x: float, y: float, up: float) -> None:
+        """Move a finger from a place of the window upwards, in pixels, as slowly as one scrolls."""
+        self._touch("touchStart", x, y)
+        for part in range(1, 16):
+            self._touch("touchMove", x, y - up * part / 15)
+            self.evaluate("new Promise((done) => requestAnimationFrame(done))")
+        self._touch("touchEnd")
+        self.evaluate("new Promise((done) => setTimeout(done, 100))")
+
+    def tap(self, x: float, y: float) -> None:
+        """Tap at a place of the window, in pixels."""
+        self._touch("touchStart", x, y)
+        self._touch("touchEnd")
+        self.evaluate("new Promise((done) => setTimeout(done, 100))")
+
+    def _touch(self, kind: str, *place: float) -> None:
+        points = [dict(zip("xy", place, strict=True))] if place else []
+        self._call("Input.dispatchTouchEvent", type=kind, touchPoints=points)
 
     def picture(self, whole: bool = False) -> bytes:
         """Return the window, or the whole page, as PNG."""

@@ -4,6 +4,7 @@ import base64
 import gzip
 import json
 import re
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,7 @@ from model.runs.in_browser import Module, interface
 from model.runs.settings import Settings
 from model.runs.trace import Trace
 from model.sweeps.io import write_dataset
-from study.config import MAPS, load_study, study_path
+from study.config import load_study, study_path
 from study.explorer import study_model
 from vibralign.device import load_device
 from vibralign.explorer import page as module
@@ -64,7 +65,10 @@ def test_page_knows_every_parameter_outcome_and_remedy(page: str) -> None:
         assert each["symbol"] == FIELDS[each["name"]].symbol
         assert each["least"] < each["most"]
     assert model["outcomes"]["0"] == OUTCOME_TEXT[Outcome.ALIGNED]
-    assert model["remedies"]["2,2"] == remedy(Outcome.LEFT_SCENE, Reason.OVERSHOT)
+    of_reasons, remedies = model["remedies_of_reasons"], model["remedies"]
+    for outcome, reason in product(Outcome, Reason):
+        words = of_reasons.get(str(int(reason)), remedies[str(int(outcome))])
+        assert words == remedy(outcome, reason)
     assert len(model["events"]) == len(INTERFACE["events"])
     assert unpacked(model["engine"]) == MODULE.binary
 
@@ -111,7 +115,9 @@ def test_stored_maps_hold_duration_in_steps_and_what_is_reliable(tmp_path: Path)
     coordinates |= {"start_y": [0.0, 1.0], "start_x": [0.0, 2.0]}
     dataset = xr.Dataset(variables, coordinates, attrs={"figure": "fig13"})
     write_dataset(dataset, tmp_path / "map.nc")
-    stored = study_model(STUDY, INTERFACE, [tmp_path / "map.nc"] * len(MAPS))["maps"]["fig13"]
+    stored = study_model(STUDY, INTERFACE, [tmp_path / "map.nc"] * len(STUDY.named("map")))["maps"][
+        "fig13"
+    ]
     assert stored["cells"] == 3
     levels = np.frombuffer(unpacked(stored["duration"]), dtype=np.uint8).reshape(3, 3)
     # Rows are repeated to a square; 1 is the shortest duration, 255 the longest.

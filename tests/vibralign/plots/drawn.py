@@ -54,15 +54,6 @@ def curve_lines(axes) -> list:
     return [line for line in axes.lines if " = " in line.get_label() and line.get_label()[0] == "$"]
 
 
-def followed(dataset: xr.Dataset, lost: list[tuple[int, int]]) -> xr.Dataset:
-    """Return the dataset with ``insertion``: aligned runs go in, or jam at the places ``lost``."""
-    flags = np.where(dataset["outcome"].values == Outcome.ALIGNED, 5, -1).astype(np.int8)
-    for place in lost:
-        flags[place] = 6
-    attributes = {"flag_values": [-1, 5, 6], "flag_meanings": "not_aligned inserted jammed"}
-    return dataset.assign(insertion=(dataset["outcome"].dims, flags, attributes))
-
-
 def jamming_data() -> xr.Dataset:
     """Return parts in two clearances, jammed above the wedging limit; comments name exceptions."""
     clearance, stiffness = np.array([0.03, 0.09]), np.array([5.0, 20.0])

@@ -3,12 +3,19 @@
 import re
 from pathlib import Path
 
+import pytest
+from matplotlib.patches import Rectangle
+
 from model.runs.settings import Settings
+from vibralign.answers.assess import Assessment
+from vibralign.answers.leeways import Leeway
 from vibralign.commands import sheet
 from vibralign.device import load_device
 
 PEG = Path(__file__).resolve().parents[2] / "square" / "devices" / "peg.yaml"
 VERDICT = ("reliable at the stated values; yield 100 % under the tolerances", True)
+LEEWAY = Leeway("misalignment", 0.6e-3, 0.2e-3, 0.7e-3, False, True, fails_above=0.71e-3)
+RESULT = Assessment(32, 32, 2.0, 3.0, None, leeways=(LEEWAY,))
 GROUPS = {
     "Verdict": ["starts   aligns from 32 of 32 starts", "at most  19 N"],
     "Leeways": ["friction to 0.3"],
@@ -24,7 +31,7 @@ def test_a_sheet_is_self_contained_and_has_the_same_bytes(tmp_path, monkeypatch)
     )
     pages = []
     for name in ("one.html", "two.html"):
-        sheet.write_sheet(tmp_path / name, stated, VERDICT, GROUPS, settings)
+        sheet.write_sheet(tmp_path / name, stated, VERDICT, GROUPS, RESULT, settings)
         pages.append((tmp_path / name).read_bytes())
     assert pages[0] == pages[1]
     page = pages[0].decode()
@@ -35,3 +42,22 @@ def test_a_sheet_is_self_contained_and_has_the_same_bytes(tmp_path, monkeypatch)
     assert re.search(r"<td>press force</td><td>12 N</td><td>± 1.2 N</td>", page)
     assert re.search(r"<td>amplitude</td><td>1 mm</td><td>± 0.05 mm</td>", page)
     assert "@page { size: A4" in page
+
+
+def test_the_cross_stands_at_the_stated_point_in_the_units_of_the_axes(tmp_path, monkeypatch):
+    """Both axes are drawn in mm, the device is in m."""
+    monkeypatch.setattr(sheet, "_COUNT", 3)
+    drawn = []
+    monkeypatch.setattr(sheet, "write", lambda figure, _: drawn.append(figure))
+    stated = load_device(PEG)
+    more = Leeway("amplitude", 1e-3, 0.9e-3, 4e-3, True, False, fails_below=0.89e-3)
+    result = Assessment(32, 32, 2.0, 3.0, None, leeways=(LEEWAY, more))
+    sheet.write_plot(tmp_path / "map.png", stated, result, Settings(horizon=40.0, tolerance=1e-6))
+    axes = drawn[0].axes[0]
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("amplitude (mm)", "misalignment (mm)")
+    [cross] = [line for line in axes.lines if line.get_marker() == "P"]
+    own = stated.quantities
+    [[x], [y]] = cross.get_data()
+    assert (x, y) == pytest.approx((1e3 * own["amplitude"], 1e3 * own["misalignment"]))
+    [box] = [each for each in axes.patches if isinstance(each, Rectangle)]
+    assert box.get_width() == pytest.approx(2e3 * stated.tolerances["amplitude"].around(x / 1e3))

@@ -20,9 +20,9 @@ import numpy as np
 
 from model.compile.entries import compiled
 from model.compile.kernels import inlined_kernel, kernel
-from model.engine.lifecycle import start
 from model.engine.rates import moved
 from model.engine.record import constants_in
+from model.engine.start import start
 from model.events.event_functions import (
     FLAT,
     LARGEST_TILT,

@@ -28,10 +28,11 @@ LOOKS: Mapping[str, Mapping[str, Any]] = {
 CAPTIONS: Mapping[str, str] = {
     "evaluations": "Evaluations of the equations of motion over the true error. A method that does "
     "not locate events needs ever more of them for each digit as soon as the part sticks or "
-    "lifts off.",
+    "lifts off. Shaded: below what the true solution itself is known to.",
     "times": "CPU time of one trajectory over the true error, as measured in this build on this "
     "machine: neighbouring parameter sets on one core, median of repeats. "
-    "Scipy's methods (dotted) take steps in Python, with a compiled right-hand side.",
+    "Scipy's methods (dotted) take steps in Python, with a compiled right-hand side. Shaded: below "
+    "what the true solution itself is known to.",
     "stability": "What each method needs to keep the true error on every case: evaluations of the "
     "equations of motion. Where it does not, the smallest error that it reaches. No cell: "
     "not run.",
@@ -71,7 +72,11 @@ def _work_over_error(
         corner = panels[0, 0]
         corner.set_xscale("log")
         corner.set_yscale("log")
-        corner.invert_xaxis()
+        corner.set_xlim(*reversed(corner.get_xlim()))
+        truths = {each.case: each.uncertainty for each in settings}
+        for case, axes in zip(titles, panels.flat, strict=False):
+            least = corner.get_xlim()[1]
+            axes.axvspan(least, max(least, truths.get(case, least)), color=style.GREY, alpha=0.2)
         figure.supxlabel("true error (more accurate to the right)", fontsize=9.0)
         figure.supylabel(label, fontsize=9.0)
         met = {setting.method for setting in settings}

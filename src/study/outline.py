@@ -7,7 +7,7 @@ _WITH_DOCSTRING = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionD
 
 
 def outline(node: Any, imported: list[str]) -> list[Any]:
-    """Return a syntax tree as nested lists, without docstrings and line numbers.
+    """Return a syntax tree as nested lists of fields, without docstrings and line numbers.
 
     Names that may be imported modules are added to ``imported``. Imports for type checkers only
     are left out.
@@ -24,7 +24,8 @@ def outline(node: Any, imported: list[str]) -> list[Any]:
             value = [outline(v, seen) if isinstance(v, ast.AST) else v for v in value]
         elif isinstance(value, ast.AST):
             value = outline(value, seen)
-        fields.append(value)
+        if value not in (None, []):  # as later versions of Python have more fields
+            fields.append((name, value))
     if kind is ast.Import:
         imported += [alias.name for alias in node.names]
     elif kind is ast.ImportFrom and node.module and node.level == 0:

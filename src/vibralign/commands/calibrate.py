@@ -1,0 +1,191 @@
+"""``vibralign calibrate``: what trials tell of the unknowns of a device, and what to do next."""
+
+import argparse
+import os
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from vibralign.answers.si import named_words, written_words
+from vibralign.commands.arguments import add_model_options, announce_compilation, read_inputs
+from vibralign.commands.files import check_file, check_picture, writing
+from vibralign.commands.program import add_command, add_json
+from vibralign.commands.progress import ProgressLine
+from vibralign.commands.tables import in_columns, print_json
+from vibralign.commands.tables import report_line as _line
+
+if TYPE_CHECKING:
+    from vibralign.known.calibrate import Calibration
+    from vibralign.known.next_trial import Next
+
+_LISTED = 3  # trials that are proposed
+
+
+def add(commands: Any) -> None:
+    """Add the command to the parsers of ``vibralign``."""
+    parser = add_command(
+        commands,
+        "calibrate",
+        _calibrate,
+        "say what trials tell of the unknown quantities of a device, and what to do next",
+        ". The device file has their ranges (unknown: {friction: 0.1 to 0.35}). The table of "
+        "trials, as a spreadsheet saves it, has a column for each quantity that was set, and "
+        "`result`: the alignment time (91.6 ms, or 91.6 ± 5 ms), fails, fails after 2 s, or > 500 "
+        "ms if it was stopped. First it says if the model fits the trials at all. Interrupting it "
+        "gives what there is.",
+        epilog="exit code: 0 the trials tell something; 1 the model does not fit, or the sample is "
+        "too small to conclude; 2 bad input",
+    )
+    add = parser.add_argument
+    add("--trials", type=Path, required=True, metavar="FILE", help="table of trials (.csv)")
+    words = "device file to write (.yaml), with samples beside it (.nc): assess and design read it"
+    add("--out", type=Path, metavar="FILE", help=words)
+    words = "draw what is possible before and after, and the times, into FILE"
+    add("--plot", type=Path, metavar="FILE", help=words)
+    words = "do not seek the trial to make next, which takes some as many runs again"
+    add("--no-next", action="store_true", help=words)
+    add_model_options(parser, scene="insertion")
+    add_json(parser)
+
+
+def _calibrate(arguments: argparse.Namespace) -> int:
+    if arguments.device is None:
+        raise ValueError("calibrate needs --device FILE, with ranges below unknown")
+    if arguments.plot is not None:
+        check_picture(arguments.plot)
+    if arguments.out is not None:
+        check_file(arguments.out, "--out", ["yaml", "yml"])
+        check_file(arguments.out.with_suffix(".nc"), "--out", ["nc"])
+        if arguments.out.exists() and arguments.out.samefile(arguments.device):
+            raise ValueError(f"--out {arguments.out}: is the device file: choose another name")
+    given = read_inputs(arguments, known_in_part=True)
+    device = given.stated
+    assert device is not None  # noqa: S101  (--device is given)
+    from vibralign.known.calibrate import calibrate  # noqa: PLC0415  (scipy)
+
+    if arguments.out is not None:
+        from vibralign.known.files import device_text  # noqa: PLC0415  (xarray)
+
+        device_text(device, "")  # refuses before anything is computed
+    announce_compilation()
+    cores = os.cpu_count() or 1
+    with ProgressLine() as line:
+
+        def tell(words: str) -> None:
+            line.begin(f"trials: {words}")
+
+        found = calibrate(device, arguments.trials, given.settings, cores, tell=tell)
+    lines = [] if arguments.json else report(found)
+    print("\n".join(lines), end="\n" if lines else "", flush=True)
+    after: Next | None = None
+    if found.concludes and not arguments.no_next:
+        try:
+            with ProgressLine() as line:
+                after = found.next(given.settings, cores, line.begin)
+        except KeyboardInterrupt:
+            print("vibralign: interrupted: no next trial; all else is complete", file=sys.stderr)
+    if arguments.json:
+        print_json(_record(found, after))
+    elif after is not None:
+        print("\n".join(next_lines(after, found)))
+    if found.concludes and arguments.out is not None:
+        from vibralign.known.files import write  # noqa: PLC0415  (xarray)
+
+        with writing():
+            samples = write(found, arguments.out)
+        if not arguments.json:
+            print(f"wrote {arguments.out} and {samples}: vibralign assess --device {arguments.out}")
+    if arguments.plot is not None:
+        from vibralign.plots import style  # noqa: PLC0415  (matplotlib)
+        from vibralign.plots.known import calibration  # noqa: PLC0415
+
+        with writing():
+            style.write(calibration(found), arguments.plot)
+    return int(not found.concludes)
+
+
+def report(found: "Calibration") -> list[str]:
+    """Return the lines on the fit and the posterior; of a model that does not fit, no posterior."""
+    from vibralign.known.fit import LEAST  # noqa: PLC0415  (scipy)
+
+    fit, device = found.fit, found.device
+    share = f"trials of the model are as far out with {100.0 * fit.share:.2g} %"
+    words = f"the model fits the trials: {share}"
+    if not fit.fits:
+        words = f"THE MODEL DOES NOT FIT THESE TRIALS: {share} (less than {100.0 * LEAST:.2g} %)"
+    lines = [_line("fit", words), _line("device", device.source)]
+    chance = f"evidence 10^{fit.odds:.1f} of that of the chance that fits them best"
+    lines.append(_line("trials", f"{len(found.trials)}, {chance}"))
+    for number in fit.outside:
+        share = f"{100.0 * fit.predicted[number]:.2g} %"
+        text = f"{found.trials[number].words}: the others give it {share}"
+        lines.append(_line("  outside", text))
+    lines += [_line("  note", each) for each in found.notes]
+    if not fit.fits:
+        words = "widen the ranges, look at the trials above, or at what the model does not know"
+        return [*lines, _line("so", f"nothing is known from these trials: {words}")]
+    effective = found.samples.effective
+    words = f"effective sample size {effective:.0f} of {len(found.samples.z)} sets"
+    if not found.concludes:
+        words += ": too small to conclude; narrow the ranges, or free the times of small errors"
+        lines.append(_line("posterior", words))
+        return lines
+    lines.append(_line("posterior", f"{words}, {found.seconds:.0f} core-seconds"))
+    lines.append("unknown, range before; 5, 50 and 95 % after, and the width left of the range:")
+    rows = []
+    for name, (low, middle, high) in found.intervals().items():
+        ends = device.unknown[name]
+        left = (high - low) / (0.9 * (ends.high - ends.low))
+        after = ", ".join(written_words(name, each, device) for each in (low, middle, high))
+        before = " to ".join(written_words(name, each, device) for each in ends)
+        rows.append((name, before, after, f"{100.0 * left:.0f} %"))
+    return [*lines, *in_columns(rows), *(_line("  but", each) for each in found.piled)]
+
+
+def next_lines(after: "Next", found: "Calibration") -> list[str]:
+    """Return the lines on the verdict at the intended setting and what to do next."""
+    at = "the setting of the device file"
+    if after.intended:
+        at = named_words(after.intended, found.device)
+    words = f"reliable for {100.0 * after.share:.3g} % of what is possible, a doubt of "
+    lines = [_line("intended", at), _line("verdict", f"{words}{after.doubt:.2f} bits")]
+    if after.knowing_adds == after.knowing_adds:  # no NaN
+        lines.append(
+            _line("knowing", f"everything would add {100.0 * after.knowing_adds:.2g} % to it")
+        )
+    if not after.is_worth_it:
+        return [*lines, _line("next", "no trial is worth making")]
+    lines.append("next, and the doubt that it takes away:")
+    rows = [(each.words, f"{each.bits:.2f} bits", "") for each in after.trials[:_LISTED]]
+    best = after.trials[0].bits
+    for each in after.bench:
+        count = f"worth {each.bits / best:.1f} trials" if best > 0.0 else ""
+        rows.append((each.words, f"{each.bits:.2f} bits", count))
+    return [*lines, *in_columns(rows)]
+
+
+def _record(found: "Calibration", after: "Next | None") -> dict[str, Any]:
+    fit = found.fit
+    record: dict[str, Any] = {
+        "fits": fit.fits,
+        "fit": fit.share,
+        "odds": fit.odds,
+        "outside": [found.trials[i].row for i in fit.outside],
+        "effective_sample_size": found.samples.effective,
+        "sets": len(found.samples.z),
+        "core_seconds": found.seconds,
+        "notes": list(found.notes),
+        "unknowns": {},
+        "next": None,
+    }
+    if found.concludes:
+        record["unknowns"] = {name: list(each) for name, each in found.intervals().items()}
+        record["piled"] = found.piled
+    if after is not None:
+        record["next"] = {
+            "intended": dict(after.intended), "share": after.share, "doubt": after.doubt,
+            "knowing_adds": after.knowing_adds, "worth_it": after.is_worth_it,
+            "trials": [each._asdict() for each in after.trials[:_LISTED]],
+            "bench": [each._asdict() for each in after.bench],
+        }  # fmt: skip
+    return record

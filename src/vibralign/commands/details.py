@@ -1,0 +1,144 @@
+"""Details of an assessment: what ``vibralign assess --details`` prints below its sheet."""
+
+from typing import TYPE_CHECKING
+
+from model.events.outcomes import SUCCESS_TEXT
+from model.physics.parameters import Parameters
+from model.physics.quantities import ANGLE, FORCE, SPEED, STIFFNESS, TIME
+from model.physics.units import Units
+from vibralign.answers import si
+from vibralign.answers.forces import forces_words
+from vibralign.answers.lever import lever_words, wall_words
+from vibralign.answers.sheet import value_words
+from vibralign.commands.tables import in_columns
+from vibralign.commands.tables import report_line as _line
+
+if TYPE_CHECKING:
+    from model.runs.settings import Settings
+    from vibralign.answers.assess import Assessment
+    from vibralign.answers.leeways import Leeway, Nearest
+    from vibralign.answers.verdicts import Verdict
+
+
+def verdict_lines(
+    result: "Assessment", units: Units | None, device: Parameters, settings: "Settings"
+) -> list[str]:
+    """Return lines on lift-offs, tilt, lever, and every base, approach and tilt that is tried."""
+    verb, (fewest, most) = SUCCESS_TEXT[settings.success], result.separations
+    hops = f"{fewest} to {most}" if fewest != most else str(fewest)
+    if most:
+        speed = si.in_words(result.impact_speed, SPEED, units)
+        landed = f"touches down at up to {speed}" if result.impact_speed else "touches down no more"
+        hops = f"{hops}; {landed}"
+    lines = [_line("lift-offs", hops)]
+    if result.forces:
+        lines.append(_line("forces at most", forces_words(result.forces, units, settings)))
+    lines.append(
+        _line("largest tilt", f"{si.in_words(result.tilt_max, ANGLE, units)}, until aligned")
+    )
+    lines += lever_words(device, settings, units)
+    lines += wall_words(device, settings, result.tilt_max, units)
+    if result.if_square is not None and result.if_square.aligned:
+        times = si.range_words(*result.if_square.times, TIME, units)
+        lines.append(_line("if it is square", f"aligned in {times}"))
+    for head, verdicts in (
+        ("base, impact", result.bases), ("approach", result.approaches),
+        ("gripper's tilt", result.tilts),
+    ):  # fmt: skip
+        if verdicts:
+            lines.append(
+                f"{head}; touch-downs from which it {verb}, alignment time, largest force:"
+            )
+            lines += in_columns([(*_of(each, units), *_row(each, units)) for each in verdicts])
+    if result.bases:
+        lines.append(_line("stiff bases", _stiff_bases(result, units)))
+    return [*lines, si.natural_words(device, units)]
+
+
+def _of(at: "Verdict", units: Units | None) -> tuple[str, ...]:
+    if isinstance(at.of, float):
+        return (si.si_words(at.of, ANGLE),)
+    if not hasattr(at.of, "restitution"):
+        return (str(at.of),)
+    impact = "its own damping"
+    if at.of.restitution is not None:
+        impact = f"restitution {at.of.restitution:g}"
+    stiffness = si.in_words(at.of.contact_stiffness, STIFFNESS, units)
+    return stiffness, f"({at.of.contact_stiffness:,.0f} × axial)", impact
+
+
+def _row(at: "Verdict", units: Units | None) -> tuple[str, ...]:
+    times = si.range_words(*at.times, TIME, units) if at.aligned else "-"
+    if at.by_press:
+        times += f" ({at.by_press} by the press alone)"
+    return f"{at.aligned} of {at.starts}", times, si.in_words(at.force_most, FORCE, units)
+
+
+def _stiff_bases(result: "Assessment", units: Units | None) -> str:
+    stiffest = result.bases[-1].of.contact_stiffness
+    rigid, decided = (
+        f"from {si.in_words(each, STIFFNESS, units)} on" if each and each < stiffest else None
+        for each in (result.rigid_from, result.decided_from)
+    )
+    if rigid:
+        return f"neither verdict nor time changes {rigid} (2 %)"
+    if decided is None:
+        return "the verdict still changes at the stiffest"
+    return (
+        f"the verdict does not change {decided}; the time changes by "
+        f"{100.0 * result.last_change:.2g} % over the last step of stiffness"
+    )
+
+
+def leeway_lines(result: "Assessment") -> list[str]:
+    """Return lines on the leeways of a device, or on the nearest values that make it reliable."""
+    ranges, lines = list(result.leeways), []
+    if result.worst is not None and (ranges or result.tilt_range or result.nearest):
+        word = "on which most cases fail" if result.failing_start is not None else "that is slowest"
+        lines.append(f"with the approach {word} ({result.worst}):")
+    if result.failing_start is not None and result.nearest:
+        lines.append("reliable instead, one parameter at a time, with")
+        lines += in_columns([_nearest_row(each, result) for each in result.nearest])
+    elif result.failing_start is not None:
+        words = "no single parameter makes it reliable within a factor of four"
+        lines.append(words if result.change else f"{words}, nor do two of those tried")
+    if result.tilt_range is not None:
+        lines.append("goes in while the gripper holds it with one tilt (ends known to 0.005°),")
+        lines += in_columns([_leeway_row(result.tilt_range, result)])
+        ranges.append(result.tilt_range)
+    if result.leeways:
+        lines.append("stays reliable while, one parameter at a time (ends known to 0.4 %),")
+        lines += in_columns([_leeway_row(each, result) for each in result.leeways])
+    if any(each.ragged_below or each.ragged_above for each in ranges):
+        lines.append("  ragged: values that fail lie among values that hold; keep well inside")
+    return lines
+
+
+def _leeway_row(leeway: "Leeway", result: "Assessment") -> tuple[str, ...]:
+    def words(value: float) -> str:
+        return value_words(result, leeway.parameter, value)
+
+    def end(
+        word: str, value: float, fails: float | None, further: str, *, late: bool, ragged: bool
+    ) -> str:
+        said = f"{word} {words(value)}"
+        if fails is None:
+            return f"{said} or {further}"
+        notes = ["by the horizon"] * late + [f"ragged: {words(fails)} fails"] * ragged
+        return f"{said} ({', '.join(notes)})" if notes else said
+
+    low = end("from", leeway.low, leeway.fails_below, "less",
+              late=leeway.late_below, ragged=leeway.ragged_below)  # fmt: skip
+    high = end("to", leeway.high, leeway.fails_above, "more",
+               late=leeway.late_above, ragged=leeway.ragged_above)  # fmt: skip
+    return leeway.parameter, low, high, f"its value {words(leeway.value)}"
+
+
+def _nearest_row(nearest: "Nearest", result: "Assessment") -> tuple[str, ...]:
+    ends = [
+        f"{value_words(result, nearest.parameter, end)} or a little {word}"
+        for end, word in ((nearest.below, "less"), (nearest.above, "more"))
+        if end is not None
+    ]
+    own = value_words(result, nearest.parameter, nearest.value)
+    return nearest.parameter, ", or ".join(ends), f"its value {own}"

@@ -1,0 +1,164 @@
+"""Answers for a device that is known in part, in words and for --json: assess and design."""
+
+import argparse
+import os
+from typing import TYPE_CHECKING, Any
+
+from model.physics.quantities import TIME
+from vibralign.answers.si import named_words, si_list, written_words
+from vibralign.commands.arguments import Inputs, announce_compilation
+from vibralign.commands.files import check_picture, writing
+from vibralign.commands.progress import ProgressLine
+from vibralign.commands.tables import in_columns, print_json
+from vibralign.commands.tables import report_line as _line
+
+if TYPE_CHECKING:
+    from vibralign.device import StatedDevice
+    from vibralign.known.doubt import Unknown
+    from vibralign.known.possible import Possible
+    from vibralign.known.settings import Covering
+
+_NOTHING = "no trial is worth making"
+
+
+def refuse_options(arguments: argparse.Namespace, command: str, *names: str) -> None:
+    """Refuse options that make no sense while quantities are unknown."""
+    for name in names:
+        if getattr(arguments, name, None):
+            option = f"--{name.replace('_', '-')}"
+            raise ValueError(
+                f"{option}: {command} does not have it while quantities are unknown: give each "
+                "of them with --set, or leave it out"
+            )
+
+
+def assess_in_part(arguments: argparse.Namespace, given: Inputs, required: float | None) -> int:
+    """Answer ``assess`` for a device with unknown quantities; return the exit code."""
+    refuse_options(arguments, "assess", "sheet", "bases", "details")
+    device = given.stated
+    assert device is not None  # noqa: S101  (it has unknown quantities)
+    if arguments.plot is not None:
+        check_picture(arguments.plot)
+    from vibralign.known.possible import check_known, known_in_part  # noqa: PLC0415  (scipy)
+
+    check_known(device)
+    announce_compilation()
+    with ProgressLine() as line:
+        line.begin("what is possible, from every touch-down")
+        found = known_in_part(device, given.settings, os.cpu_count() or 1)
+    met = required is None or found.interval[0] >= required
+    if arguments.json:
+        print_json(_record(found) | {"required": required, "met": met})
+    else:
+        head = [_line("device", device.source), *_unknown_lines(device)]
+        print("\n".join([*head, *possible_lines(found, device)]))
+        if required is not None:
+            print(_line("required", f"{100.0 * required:.4g} %: {'met' if met else 'not met'}"))
+    _plot(arguments, found, device)
+    return int(not met)
+
+
+def design_in_part(arguments: argparse.Namespace, given: Inputs) -> int:
+    """Answer ``design`` for a device with unknown quantities; return the exit code."""
+    refuse_options(arguments, "design", "out")
+    device = given.stated
+    assert device is not None  # noqa: S101  (it has unknown quantities)
+    from vibralign.known.settings import covering  # noqa: PLC0415  (scipy)
+
+    announce_compilation()
+    with ProgressLine() as line:
+        found = covering(device, given.settings, os.cpu_count() or 1, line.begin)
+    own = device.changed(**found.setting)
+    if arguments.json:
+        print_json({"setting": found.setting, "knowing_adds": found.knowing_adds,
+                    "tried": found.tried} | _record(found.possible))  # fmt: skip
+    else:
+        head = [_line("device", device.source), *_unknown_lines(device)]
+        words = f"{named_words(found.setting, own)} (of {found.tried} settings tried)"
+        print("\n".join([*head, _line("setting", words), *possible_lines(found.possible, own),
+                         *_worth_lines(found)]))  # fmt: skip
+    _plot(arguments, found.possible, own)
+    return int(not found.possible.reliable.all())
+
+
+def _plot(arguments: argparse.Namespace, found: "Possible", device: "StatedDevice") -> None:
+    if arguments.plot is not None:
+        from vibralign.plots.known import doubt_map  # noqa: PLC0415  (matplotlib)
+        from vibralign.plots.style import write  # noqa: PLC0415
+
+        with writing():
+            write(doubt_map(found, device), arguments.plot)
+
+
+def _worth_lines(found: "Covering") -> list[str]:
+    from vibralign.known.settings import NOTHING  # noqa: PLC0415  (scipy)
+
+    adds = f"knowing everything would add {100.0 * found.knowing_adds:.2g} % to this share"
+    if found.knowing_adds < NOTHING:
+        adds += f": {_NOTHING}"
+    return [_line("trials", adds)]
+
+
+def _unknown_lines(device: "StatedDevice") -> list[str]:
+    source = "" if device.samples is None else f", as the trials in {device.samples.name} leave it"
+    rows = [
+        (name, " to ".join(written_words(name, end, device) for end in each),
+         "log-uniform" if each.is_log else "")
+        for name, each in device.unknown.items()
+    ]  # fmt: skip
+    return [f"unknown{source}:", *in_columns(rows)]
+
+
+def possible_lines(found: "Possible", device: "StatedDevice") -> list[str]:
+    """Return the lines of the verdict over what is possible."""
+    low, high = found.interval
+    share = f"{100.0 * found.share:.3g} %"
+    words = f"reliable for {share} of what is possible"
+    if found.reliable.all():
+        words = "reliable for all that is possible"
+    elif not found.reliable.any():
+        words = "reliable for none of what is possible"
+    words += f" ({100.0 * low:.3g} to {100.0 * high:.3g} %, 95 % confidence)"
+    tried = f"{found.reliable.size} sets of the unknowns, each from {found.touch_downs} touch-downs"
+    lines = [_line("verdict", words), _line("tried", f"{tried} within the tolerances")]
+    longest = found.longest[found.reliable]
+    if longest.size:
+        import numpy as np  # noqa: PLC0415  (as above)
+
+        times = si_list(np.quantile(longest, (0.05, 0.5, 0.95)).tolist(), TIME)
+        lines.append(
+            _line("alignment time", f"at the longest {times} (5, 50, 95 % of reliable sets)")
+        )
+    if "vibration" in device.limits:
+        lines.append(_line("not checked", "the limit of vibration, over what is possible"))
+    if 0.0 < found.share < 1.0:
+        lines.append(
+            "what decides (first-order share of the verdict's variance, 90 % interval), and what "
+            "measuring it to a tenth of its range takes of the doubt:"
+        )
+        rows = [
+            (each.name, f"{each.share:.2f} ({each.low:.2f} to {each.high:.2f})",
+             f"{100.0 * max(each.worth, 0.0):.0f} %", _borders(each, device))
+            for each in found.unknowns
+        ]  # fmt: skip
+        lines += in_columns(rows)
+    return lines
+
+
+def _borders(each: "Unknown", device: "StatedDevice") -> str:
+    words = []
+    for side, value, verdict in each.borders:
+        known = "reliable" if verdict else "not reliable"
+        words.append(f"{side} {written_words(each.name, value, device)} {known}")
+    return f"{'; '.join(words)}, whatever the rest is" if words else ""
+
+
+def _record(found: "Possible") -> dict[str, Any]:
+    return {
+        "share": found.share,
+        "interval": list(found.interval),
+        "sets": int(found.reliable.size),
+        "touch_downs": found.touch_downs,
+        "doubt": found.doubt,
+        "unknowns": [each._asdict() for each in found.unknowns],
+    }

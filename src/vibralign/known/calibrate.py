@@ -1,0 +1,199 @@
+"""Calibration: what trials tell of the unknowns of a device.
+
+Trials of one setting share their runs. The runs of all sets are kept, so that the fit is judged
+without further ones.
+"""
+
+import math
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from model.events.insertion import INSERTION
+from model.physics.tables import Value
+from model.runs.settings import Settings
+from vibralign.answers.reliability import Floats
+from vibralign.device import StatedDevice
+from vibralign.known.fit import Fit, fit_of
+from vibralign.known.likelihood import log_likelihood
+from vibralign.known.next_trial import SETS, Next, next_of
+from vibralign.known.possible import Sets, equally, run_sets, stated, touch_downs
+from vibralign.known.posterior import EFFECTIVE, FIRST, Samples, sample, values_of
+from vibralign.known.trials import Trial, notes_on, read_trials, times_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+TOUCH_DOWNS = 16  # of a trial, a power of two
+_WAIT = 1.05  # of the longest time of the trials, until which runs are followed
+_PILED = 0.05, 0.3  # share of a range at its end, and of the posterior there, that are worth a word
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Calibration(Value):
+    """What trials tell of a device; SI units.
+
+    Attributes:
+        device: the device with its ranges.
+        trials: the trials.
+        samples: weighted sets of the unknowns.
+        times: of each trial, the times of all sets from its touch-downs, shape (n, m).
+        horizon: time at which a run ends.
+        fit: how the model fits the trials.
+        notes: words on what the trials cannot tell.
+        seconds: core-seconds that it took.
+    """
+
+    device: StatedDevice
+    trials: tuple[Trial, ...]
+    samples: Samples
+    times: tuple[Floats, ...]
+    horizon: float
+    fit: Fit
+    notes: tuple[str, ...] = ()
+    seconds: float = math.nan
+
+    def __repr__(self) -> str:
+        words = "fits" if self.fit.fits else "does not fit"
+        return f"<Calibration: the model {words} {len(self.trials)} trials>"
+
+    @property
+    def concludes(self) -> bool:
+        """True if the model fits and the sample is large enough."""
+        return self.fit.fits and self.samples.effective >= EFFECTIVE
+
+    @property
+    def sets(self) -> Sets:
+        """Sets of the unknowns by name, each of shape (n,); ``samples`` has their weights."""
+        return values_of(self.samples.z, self.device.unknown)
+
+    def equally(self, count: int) -> dict[str, Floats]:
+        """Return ``count`` equally probable sets."""
+        rows = equally(self.samples.weights, count)
+        return {name: column[rows] for name, column in self.sets.items()}
+
+    def intervals(self, ends: Sequence[float] = (0.05, 0.5, 0.95)) -> dict[str, tuple[float, ...]]:
+        """Return quantiles of the unknowns by name."""
+        found = {}
+        for name, column in self.sets.items():
+            order = np.argsort(column)
+            share = np.cumsum(self.samples.weights[order])
+            at = np.minimum(np.searchsorted(share, ends), column.size - 1)
+            found[name] = tuple(column[order][at].tolist())
+        return found
+
+    @property
+    def piled(self) -> list[str]:
+        """Words on unknowns that pile up at an end of their range."""
+        words, (width, least) = [], _PILED
+        for name, each in self.device.unknown.items():
+            share = each.share(self.sets[name])
+            for end, near in (("lower", share < width), ("upper", share > 1.0 - width)):
+                if self.samples.weights[near].sum() > least:
+                    words.append(
+                        f"{name} piles up at the {end} end of its range: the truth may lie beyond"
+                    )
+        return words
+
+    def dataset(self) -> "xr.Dataset":
+        """Return samples, weights, trials and predictions as a dataset in SI units."""
+        from vibralign.known.files import dataset_of  # noqa: PLC0415  (xarray, a second)
+
+        return dataset_of(self)
+
+    def posterior(self, count: int = 400) -> "xr.Dataset":
+        """Return ``count`` equally probable sets with the dimensions chain and draw, for arviz."""
+        import xarray as xr  # noqa: PLC0415  (as in dataset)
+
+        return xr.Dataset({n: (("chain", "draw"), v[None]) for n, v in self.equally(count).items()})
+
+    def next(
+        self,
+        settings: Settings | None = None,
+        cores: int = 1,
+        tell: Callable[[str], None] = lambda _: None,
+    ) -> Next:
+        """Return the verdict at the intended setting, and the trial or test to make next.
+
+        Raises:
+            ValueError: the model does not fit, or the sample is too small.
+        """
+        if not self.concludes:
+            raise ValueError("nothing can be concluded from these trials: see fit and samples")
+        tried = [each.device for each in self.trials]
+        settings = settings or Settings(scene=INSERTION)
+        return next_of(self.device, tried, self.equally(SETS), settings, cores, tell)
+
+
+def calibrate(
+    device: StatedDevice | Path | str,
+    trials: Any,
+    settings: Settings | None = None,
+    cores: int = 1,
+    *,
+    tell: Callable[[str], None] = lambda _: None,
+    target: float = EFFECTIVE,
+    touch_downs_tried: int = TOUCH_DOWNS,
+    seed: int = 0,
+) -> Calibration:
+    """Return what trials tell of the unknowns of a device.
+
+    Args:
+        device: with ranges below ``unknown``, or the path of its file.
+        trials: path of a CSV file, DataFrame, or rows as mappings from the names of the columns.
+        settings: settings of the runs; None for the defaults, in the insertion scene.
+        cores: number of threads.
+        tell: called with the step, in words.
+        target: effective sample size that is sought.
+        touch_downs_tried: touch-downs of each trial, a power of two.
+        seed: of sets and touch-downs.
+
+    Raises:
+        ValueError: bad input, as ``read_trials`` and ``check_known``; before anything is computed.
+    """
+    device = replace(stated(device), samples=None)  # a calibration starts from the ranges
+    table = read_trials(device, trials)
+    settings = settings or Settings(scene=INSERTION)
+    own = device.run_settings(settings, device.units)
+    horizon = max([own.horizon * device.units.time, *(_WAIT * each for each in times_of(table))])
+    groups: dict[str, list[int]] = {}
+    for number, each in enumerate(table):
+        groups.setdefault(str(sorted(each.setting.items())), []).append(number)
+    downs = {
+        key: touch_downs(table[rows[0]].device, touch_downs_tried, seed=seed + 10 + rows[0])
+        for key, rows in groups.items()
+    }
+    times: list[list[Floats]] = [[] for _ in table]
+    began, first = time.process_time(), True
+
+    def likelihood(sets: Mapping[str, Floats]) -> Floats:
+        nonlocal first
+        stage: dict[int, Floats] = {}
+        logs = np.zeros(len(next(iter(sets.values()))))
+        for number, (key, rows) in enumerate(groups.items()):
+            lowered = replace(table[rows[0]].device, horizon=horizon)
+            found = run_sets(lowered, sets, downs[key], settings, cores).time
+            for row in rows:
+                logs += log_likelihood(table[row], found, horizon)
+                stage[row] = found
+            if first and len(groups) > 1:
+                each = (time.process_time() - began) / (number + 1)
+                tell(
+                    f"setting {number + 1} of {len(groups)}: the first {FIRST} sets take "
+                    f"{each * len(groups):.0f} core-seconds, all some two to six times as long"
+                )
+        first = False
+        for row, found in stage.items():  # a stage counts when it is complete
+            times[row].append(found)
+        return logs
+
+    samples = sample(device.unknown, likelihood, tell, target=target, seed=seed)
+    whole = tuple(np.concatenate(each) for each in times)
+    fit = fit_of(table, whole, samples, horizon)
+    seconds = time.process_time() - began
+    notes = tuple(notes_on(table, len(device.unknown)))
+    return Calibration(device, tuple(table), samples, whole, horizon, fit, notes, seconds)

@@ -1,0 +1,36 @@
+"""Readings of the equations as printed: the engine agrees with the independent solution."""
+
+import numpy as np
+import pytest
+
+from tests.verification.test_independent import RUNS
+from verification.independent import solve_printed
+from verification.independent.printed import READINGS
+from vibralign import Variants, simulate
+
+HORIZON = 6.0
+# Bounces and landed corners, and contacts at the side; all readings together, and each alone.
+SETS = ("lift-offs", "side contact, released and loaded again")
+CASES = [
+    (SETS[1], READINGS),
+    *(pytest.param(name, (each,), marks=pytest.mark.nightly) for name in SETS for each in READINGS),
+    pytest.param(SETS[0], READINGS, marks=pytest.mark.nightly),
+]
+
+
+@pytest.mark.parametrize(("name", "printed"), CASES)
+def test_it_agrees_with_the_integrator_in_printed_readings(device, name, printed):
+    p = device.replace(**RUNS[name][0])
+    readings = Variants(**dict.fromkeys(printed, "printed"))
+    run = simulate(p, readings=readings, horizon=HORIZON, tolerance=1e-11, may_settle=False)
+    end = float(run.time[-1])
+    solution = solve_printed(p, HORIZON if end == HORIZON else end + 1.0, printed, 1e-12)
+    assert solution.time == pytest.approx(end, abs=1e-8)
+    assert solution.state == pytest.approx(run.state[-1], abs=1e-8)
+    consistent = simulate(p, horizon=HORIZON, may_settle=False)
+    assert np.abs(consistent.state[-1] - run.state[-1]).max() > 1e-4, "the reading acts"
+
+
+def test_an_unknown_reading_is_refused(device):
+    with pytest.raises(ValueError, match=r"printed = .'alignment_criterion'.: must be of"):
+        solve_printed(device, 1.0, ["alignment_criterion"])

@@ -1,0 +1,104 @@
+"""``vibralign calibrate``: from a table to a device file that other commands read; refusals."""
+
+import json
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from tests.vibralign.known.bench import FILE
+from vibralign import known_in_part, load_device
+from vibralign.commands import main as cli
+from vibralign.known import posterior
+from vibralign.known.possible import sets_of
+
+TABLE = """press_force [N];amplitude [mm];result [ms]
+10;2;80
+14;2;46,5
+4;1,2;190
+"""
+TORN = "press_force,result\n" + "10 N,20 ms\n" * 3 + "10 N,fails after 2 s\n" * 3
+
+
+def command(folder, table: str, *more: str) -> list[str]:
+    trials = folder / "trials.csv"
+    trials.write_text(table)
+    return ["calibrate", "--device", str(FILE), "--trials", str(trials), *more]
+
+
+def test_trials_become_a_device_file_that_commands_read(tmp_path, capsys):
+    out, picture = tmp_path / "fit.yaml", tmp_path / "fit.png"
+    words = command(tmp_path, TABLE, "--out", str(out), "--plot", str(picture), "--json")
+    assert cli.main(words) == cli.DONE
+    record = json.loads(capsys.readouterr().out)
+    assert record["fits"]
+    assert record["effective_sample_size"] >= 100.0
+    low, middle, high = record["unknowns"]["friction"]
+    assert 0.05 <= low < middle < high <= 0.4
+    assert record["next"]["trials"][0]["bits"] >= record["next"]["trials"][-1]["bits"] >= 0.0
+    assert len(record["next"]["bench"]) == 2
+    assert picture.stat().st_size > 0
+
+    device = load_device(out)
+    assert device.samples == tmp_path / "fit.nc"
+    sets = sets_of(device, 4096)
+    assert low < np.median(sets["friction"]) < high
+    with xr.open_dataset(tmp_path / "fit.nc") as stored:
+        assert stored["weight"].sum() == pytest.approx(1.0)
+        assert stored["press_force"].values.tolist() == [10.0, 14.0, 4.0]
+        assert stored["friction"].attrs["units"] == "1"
+        assert stored.attrs["Conventions"].startswith("CF")
+        correlation = np.corrcoef(sets["friction"], sets["tilt_stiffness"])[0, 1]
+        table = np.cov(stored["friction"], stored["tilt_stiffness"], aweights=stored["weight"])
+        assert correlation == pytest.approx(
+            table[0, 1] / np.sqrt(table.diagonal().prod()), abs=0.03
+        )
+    assert known_in_part(out, sets=16, touch_downs_tried=4).reliable.size == 16
+    (tmp_path / "fit.nc").write_bytes(b"no netCDF")
+    assert cli.main(["assess", "--device", str(out)]) == cli.REFUSED
+    assert "vibralign calibrate again" in capsys.readouterr().err
+
+
+def test_of_trials_that_do_not_fit_nothing_is_known(tmp_path, capsys):
+    out = tmp_path / "fit.yaml"
+    assert cli.main(command(tmp_path, TORN, "--out", str(out))) == cli.FAILED
+    text = capsys.readouterr().out
+    assert text.startswith("fit             THE MODEL DOES NOT FIT THESE TRIALS")
+    assert "row 2" in text
+    assert "nothing is known" in text
+    assert "posterior" not in text
+    assert not out.exists()
+    assert not (tmp_path / "fit.nc").exists()
+
+
+REFUSED = [
+    (TABLE, ["--out", "{0}/fit.txt"], "must end in one of .yaml, .yml"),
+    (TABLE, ["--out", str(FILE)], "is the device file"),
+    (TABLE, ["--out", "{0}/fit.yaml", "--set", "mass=0.4"], "--set mass"),
+    (TABLE, ["--set", "friction=0.1", "--set", "tilt_stiffness=0.3"], "nothing is unknown"),
+    (TABLE, ["--trials", "{0}/none.csv"], "none.csv: cannot be read"),
+    ("preis,result\n", [], "'preis'"),
+]
+
+
+@pytest.mark.parametrize(("table", "more", "words"), REFUSED)
+def test_bad_input_is_refused_before_anything_is_computed(tmp_path, capsys, table, more, words):
+    more = [each.format(tmp_path) for each in more]
+    assert cli.main(command(tmp_path, table, *more)) == cli.REFUSED
+    out, err = capsys.readouterr()
+    assert words in err
+    assert (out, err.count("\n")) == ("", 1)
+
+
+def test_an_interrupt_leaves_what_there_is():
+    ranges, calls = load_device(FILE).unknown, []
+
+    def likelihood(sets):
+        calls.append(len(sets["friction"]))
+        if len(calls) == 3:
+            raise KeyboardInterrupt
+        return -0.5 * ((sets["friction"] - 0.2) / 0.002) ** 2
+
+    found = posterior.sample(ranges, likelihood, target=1e6)
+    assert len(found.z) == sum(calls[:2])
+    assert found.weights.sum() == pytest.approx(1.0)
