@@ -22,7 +22,7 @@ CALLS = {
     "an empty batch": (lambda _: align([]), ["empty", "at least one"]),
     "no core": (lambda p: align([p], cores=0), ["cores = 0", ">= 1"]),
     "half a core": (lambda p: align([p], cores=0.5), ["cores = 0.5"]),
-    "an engine to choose": (lambda p: align([p], engine="batch"), ["engine", "setting"]),
+    "an engine to choose": (lambda p: align([p], engine="batch"), ["engine", "leave it out"]),
     "a word for a truth value": (
         lambda p: align([p], may_settle="False"), ["may_settle = 'False'", "True or False"],
     ),
