@@ -160,13 +160,16 @@ def element_kind(array: NDArray[Any]) -> str:
 
 
 def element_strides(array: NDArray[Any]) -> tuple[int, ...]:
-    """Return the strides of an array of numpy, in numbers; as if it had an element.
+    """Return the strides of an array of numpy, in numbers.
 
-    An empty array has other strides in numpy, for which kernels would be compiled once more.
+    An empty array, and a dimension of length one, may have any strides in numpy. Here they get those
+    of a contiguous array, since kernels are compiled for each set of strides.
     """
-    if array.size == 0:
-        array = np.empty([max(each, 1) for each in array.shape])
-    return tuple([each // array.itemsize for each in array.strides])
+    strides, step = [], 1
+    for length, stride in zip(reversed(array.shape), reversed(array.strides), strict=True):
+        strides.append(step if length <= 1 or array.size == 0 else stride // array.itemsize)
+        step = strides[-1] * max(length, 1)
+    return tuple(reversed(strides))
 
 
 def leaves(value: Value) -> Iterator[Number]:

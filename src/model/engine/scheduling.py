@@ -236,7 +236,7 @@ class Waiting(NamedTuple):
     """Queues of the runs that wait for a step, one for each kind of mode, first in, first out.
 
     Attributes:
-        runs: ring buffers, shape (kinds, runs).
+        runs: ring buffers, one after the other, shape (kinds * runs,); code is for any number.
         firsts: index of the first run of each queue, shape (kinds,).
         counts: lengths of the queues, shape (kinds,).
         used: one more than the last kind of which a run has waited, shape (1,).
@@ -269,13 +269,12 @@ def new_memory(
     It has histories only if runs ``may_settle``, and a track of ``rows`` for a single run.
     """
     kinds, runs = len(lanes.series.fill), min(runs, MOST_RUNS)
-    shapes = (kinds, runs), (kinds,), (kinds,), (1,)
     return Memory(
         workspace.new_workspace(lanes.lines),
         np.zeros((runs, SIZE)),
         new_history(runs if may_settle else 1),
         np.zeros(QUANTITIES * TERMS),
-        Waiting(*(np.zeros(shape, np.int64) for shape in shapes)),
+        Waiting(*(np.zeros(n, np.int64) for n in (kinds * runs, kinds, kinds, 1))),
         np.zeros(WIDTH, np.int64),
         np.zeros((rows, len(COLUMNS))),
         lanes.series.addresses,
@@ -285,8 +284,14 @@ def new_memory(
 @inlined_kernel
 def _index_in(waiting, kind, number):
     """Return the index in a ring buffer ``number`` after that of its first run."""
-    index, size = waiting.firsts[kind] + number, waiting.runs.shape[1]
+    index, size = waiting.firsts[kind] + number, _size(waiting)
     return index - size if index >= size else index
+
+
+@inlined_kernel
+def _size(waiting):
+    """Return the length of one ring buffer."""
+    return waiting.runs.shape[0] // waiting.counts.shape[0]
 
 
 @inlined_kernel
@@ -303,7 +308,8 @@ def _enqueue(scene, lanes, memory, results, i):
         store_result(scene.events, runs, i, results, int(runs[i, AT.number_in_batch]))
         return False
     waiting.used[0] = max(waiting.used[0], kind + 1)
-    waiting.runs[kind, _index_in(waiting, kind, waiting.counts[kind])] = i
+    index = _index_in(waiting, kind, waiting.counts[kind])
+    waiting.runs[kind * _size(waiting) + index] = i
     waiting.counts[kind] += 1
     return True
 
@@ -338,7 +344,7 @@ def _dequeue(kind, waiting, together):
     """Move up to WIDTH runs from a queue to ``together``; return their number."""
     count = min(WIDTH, waiting.counts[kind])
     for lane in range(count):
-        together[lane] = waiting.runs[kind, _index_in(waiting, kind, lane)]
+        together[lane] = waiting.runs[kind * _size(waiting) + _index_in(waiting, kind, lane)]
     waiting.firsts[kind] = _index_in(waiting, kind, count)
     waiting.counts[kind] -= count
     return count
