@@ -162,8 +162,8 @@ def element_kind(array: NDArray[Any]) -> str:
 def element_strides(array: NDArray[Any]) -> tuple[int, ...]:
     """Return the strides of an array of numpy, in numbers.
 
-    An empty array, and a dimension of length one, may have any strides in numpy. Here they get those
-    of a contiguous array, since kernels are compiled for each set of strides.
+    An empty array, and a dimension of length one, may have any strides in numpy. Here they get
+    those of a contiguous array, since kernels are compiled for each set of strides.
     """
     strides, step = [], 1
     for length, stride in zip(reversed(array.shape), reversed(array.strides), strict=True):
