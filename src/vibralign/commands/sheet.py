@@ -1,4 +1,4 @@
-"""What ``vibralign assess`` writes of a device: its page (--sheet) and its map (--plot)."""
+"""Files that ``vibralign assess`` writes of a device: its page (--sheet) and its map (--plot)."""
 
 import os
 import warnings

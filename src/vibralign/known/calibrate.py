@@ -35,7 +35,7 @@ _PILED = 0.05, 0.3  # share of a range at its end, and of the posterior there, t
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Calibration(Value):
-    """What trials tell of a device; SI units.
+    """Posterior of a device after its trials; SI units.
 
     Attributes:
         device: the device with its ranges.

@@ -27,7 +27,7 @@ Bools = NDArray[np.bool_]
 
 
 class Unknown(NamedTuple):
-    """What an unknown has to do with the verdict.
+    """Part of an unknown in the verdict.
 
     Attributes:
         name: of the quantity.

@@ -25,7 +25,7 @@ OUTSIDE = 0.05  # probability of a result, from both ends, below which a trial i
 
 
 class Fit(NamedTuple):
-    """How the model fits the trials.
+    """Fit of the model to the trials.
 
     Attributes:
         share: probability that trials of the model are as far out as these.

@@ -1,4 +1,4 @@
-"""What to do next: the trial or the bench test that takes most of the doubt away.
+"""Next step: the trial or the bench test that takes most of the doubt away.
 
 The outcome of a trial is a class: fails, or one of ``CLASSES`` of time. A trial is worth the mutual
 information between its class and the verdict at the intended setting, over the sets that the trials
@@ -53,7 +53,7 @@ BENCH: Mapping[str, str] = {
 
 
 class Worth(NamedTuple):
-    """What a trial or a bench test is worth.
+    """Worth of a trial or a bench test.
 
     Attributes:
         words: the setting, or the test.

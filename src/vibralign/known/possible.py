@@ -1,4 +1,4 @@
-"""What is possible: sets of the unknowns, run from every touch-down.
+"""Possible devices: sets of the unknowns, run from every touch-down.
 
 A *touch-down* is a phase of the vibration and a value of each quantity with a tolerance, drawn as a
 scrambled Sobol' point. All sets of the unknowns meet the same touch-downs (common random numbers).
@@ -180,7 +180,7 @@ def exceeds_vibrator(device: StatedDevice) -> bool:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Possible(Value):
-    """What is possible of a device, and its verdict; SI units.
+    """Possible sets of a device, and its verdict; SI units.
 
     Attributes:
         sets: sets of the unknowns, equally probable.
