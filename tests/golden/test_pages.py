@@ -26,13 +26,13 @@ BLOCK = re.compile(
 COMMAND = re.compile(r"^ {4}((?:python -m study|snakemake|make|git|zip)\b[^#\n]*)", re.MULTILINE)
 
 # Lines of every command: words, and the exit code. ROOT is the golden build, COPY another one,
-# REFERENCE a reference that was accepted from it.
+# NEW a reference to be accepted from it, REFERENCE one that was.
 LINES: dict[str, list[tuple[str, int]]] = {
     "runs": [("--root ROOT", 0), ("--root ROOT --figure 13 --json", 0),
              ("--root ROOT --outcome failed", 0), ("--root ROOT --starts", 0)],
     "show": [("--root ROOT last", 0), ("--root ROOT merge/fig13", 0), ("--root ROOT 1 --json", 0)],
     "diff": [("ROOT COPY", 0), ("ROOT COPY --all --json", 0)],
-    "accept": [("--root ROOT --reference REFERENCE --figure all --claims --reason 'a first'", 0)],
+    "accept": [("--root ROOT --reference NEW --figure all --claims --reason 'a first'", 0)],
     "verify": [("--root ROOT --reference REFERENCE", 0),
                ("--root ROOT --reference REFERENCE --figure 13 --json", 0)],
     "claims": [("--root ROOT", 0), ("--root ROOT --regime", 0), ("--root ROOT --json", 0)],
@@ -56,7 +56,11 @@ def test_every_command_and_option_has_a_line() -> None:
 def places(results: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     folder = tmp_path_factory.mktemp("places")
     shutil.copytree(results, folder / "copy")
-    return {"ROOT": str(results), "COPY": str(folder / "copy"), "REFERENCE": str(folder / "ref")}
+    found = {name: str(folder / name) for name in ("NEW", "REFERENCE")}
+    ((accept, _),) = LINES["accept"]
+    words = accept.replace("NEW", found["REFERENCE"]).replace("ROOT", str(results))
+    assert study.main(["accept", *shlex.split(words)]) == 0
+    return {"ROOT": str(results), "COPY": str(folder / "copy"), **found}
 
 
 @pytest.mark.parametrize(
