@@ -13,7 +13,6 @@ import pickle
 import struct
 import threading
 from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -251,14 +250,11 @@ def _made(module: Module | VectorFunction) -> list[_Stored]:
     modules = [*module.linked()]
     kept = {each.name: cache.read(each.name) for each in modules}
     missing = [each for each in modules if kept[each.name] is None]
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        objects = pool.map(
-            lambda each: machine_code.object_of(each.text(), each.is_vector), missing
-        )
-        for each, code in zip(missing, objects, strict=True):
-            header: dict[str, Any] = {"parts": [part.name for part in each.linked()][:-1]}
-            if isinstance(each, Module) and each.lasting and each is module:
-                header["result"] = pickle.dumps(each.result).hex()
-            kept[each.name] = header, code
-            cache.write(each.name, header, code)
+    objects = machine_code.objects_of([(each.text(), each.is_vector) for each in missing])
+    for each, code in zip(missing, objects, strict=True):
+        header: dict[str, Any] = {"parts": [part.name for part in each.linked()][:-1]}
+        if isinstance(each, Module) and each.lasting and each is module:
+            header["result"] = pickle.dumps(each.result).hex()
+        kept[each.name] = header, code
+        cache.write(each.name, header, code)
     return [_Stored(each.name, *kept[each.name]) for each in modules]  # type: ignore[misc]

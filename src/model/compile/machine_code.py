@@ -2,12 +2,21 @@
 
 Kernels may use the widest vectors of the processor. LLVM prefers 256 bits on processors with 512,
 which may then run at a higher clock; the loops of the engine gain more from the width.
+
+Run as a program, this file writes objects for another process: by llvmlite, only one thread of a
+process compiles at a time.
 """
 
+import contextlib
 import ctypes
 import functools
 import os
+import pickle
+import subprocess
+import sys
 import threading
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any, NamedTuple
 
 import llvmlite.binding as llvm
@@ -76,6 +85,58 @@ def object_of(text: str, is_finished: bool) -> bytes:
     return written
 
 
+_SHORT = 200_000  # characters of LLVM's text that compile no slower than another process starts
+
+
+def objects_of(modules: Sequence[tuple[str, bool]]) -> list[bytes]:
+    """Return the object of each module, given by the arguments of ``object_of``.
+
+    Long ones are shared with another process, the last ones first: these tend to take longest.
+    """
+    is_shared = len(modules) > 1 and sum(len(text) for text, _ in modules) > _SHORT
+    if not is_shared or os.cpu_count() == 1:
+        return [object_of(*each) for each in modules]
+    waiting, objects = [*enumerate(modules)], dict[int, bytes]()
+
+    def compile_by(compiler: Any) -> None:
+        with contextlib.suppress(IndexError):
+            while True:
+                n, module = waiting.pop()
+                objects[n] = compiler(*module)
+
+    with _another_process() as compiler, ThreadPoolExecutor() as pool:
+        there = pool.submit(compile_by, compiler)
+        compile_by(object_of)
+        there.result()
+    return [objects[n] for n in range(len(modules))]
+
+
+@contextlib.contextmanager
+def _another_process() -> Iterator[Any]:
+    """``object_of`` by another process; here, if no process can be started or it has ended."""
+    command = [sys.executable, "-P", __file__]
+    pipe = subprocess.PIPE
+    try:
+        process = subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL)
+    except OSError:
+        yield object_of
+        return
+
+    def compiled_there(*module: Any) -> bytes:
+        try:
+            pickle.dump(module, process.stdin)  # type: ignore[arg-type]
+            process.stdin.flush()  # type: ignore[union-attr]
+            written: bytes = pickle.load(process.stdout)  # type: ignore[arg-type]  # noqa: S301
+        except (OSError, EOFError, pickle.UnpicklingError):
+            return object_of(*module)
+        return written
+
+    try:
+        yield compiled_there
+    finally:
+        process.communicate()
+
+
 def optimised(text: str, machine: Any, is_finished: bool, context: Any = None) -> Any:
     """Return LLVM's module for a text, optimised for a target machine."""
     module = llvm.parse_assembly(text, context or llvm.create_context())
@@ -115,3 +176,11 @@ def load(name: str, machine_code: bytes) -> int:
             llvm.add_symbol(name, address)
             _LOADED[name] = address, engine
         return _LOADED[name][0]
+
+
+if __name__ == "__main__":
+    with contextlib.suppress(EOFError):
+        while True:
+            written = object_of(*pickle.load(sys.stdin.buffer))  # noqa: S301 - from compiled_there
+            pickle.dump(written, sys.stdout.buffer)
+            sys.stdout.flush()

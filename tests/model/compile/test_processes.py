@@ -5,10 +5,13 @@ import platform
 import shutil
 import subprocess
 import sys
+import time
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from model.compile import machine_code
 from model.compile.identity import PACKAGE
 from tests.model.compile.sources import PRELUDE
 
@@ -35,6 +38,7 @@ def second(x):
 PROGRAM = """\
 import os, runpy, signal, sys
 from pathlib import Path
+from typing import Any
 
 from model.compile import machine_code
 from model.compile.entries import compiled
@@ -67,6 +71,7 @@ results = [compiled(found[name], contract=False)(x) for name, x in calls]
 results.append(compiled(dot, contract=False)((1.1, 2.3, 3.7), 0.1, 0.2, 0.3))
 print(count, *(each.hex() for each in results))
 """
+PYTHON = sys.executable
 ALL = 4  # objects: the part, two entries of the file, one of the package
 
 
@@ -150,3 +155,26 @@ def test_words_of_the_package_may_be_edited_and_its_code_is_compiled_anew(
     assert count == 1, "the kernel that was edited"
     assert others[:-1] == results[:-1]
     assert others[-1] == (1.1 * 0.1).hex()
+
+
+@pytest.mark.parametrize("python", [PYTHON, "/bin/false", "no such program"])
+def test_objects_are_the_same_by_another_process_and_without_one(
+    python: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    text = "define double @f{}(double %x) {{\n%y = fadd double %x, {}.0\nret double %y\n}}"
+    modules = [(text.format(n, n), False) for n in range(6)]
+    monkeypatch.setattr(machine_code, "_SHORT", 0)
+    monkeypatch.setattr(sys, "executable", python)
+    monkeypatch.setattr(os, "cpu_count", lambda: 2)
+    here: list[str] = []
+    compile_ = machine_code.object_of
+    alone = [compile_(*each) for each in modules]
+
+    def slow(*module: Any) -> bytes:
+        time.sleep(0.3)  # the other process has started and takes some
+        here.append(module[0])
+        return compile_(*module)
+
+    monkeypatch.setattr(machine_code, "object_of", slow)
+    assert machine_code.objects_of(modules) == alone
+    assert (len(here) < len(modules)) == (python == PYTHON)
