@@ -16,7 +16,7 @@ from model.events.outcomes import OUTCOME, REASON
 from model.events.scenes import CONTACT_NAMES, Scene
 from model.events.sources import corner_positions, on_both_sides
 from model.events.table import CONDITIONS, CONTACTS, Event, Source, changed, of_contact, state_is
-from model.events.transitions import decided, edge_enters, ending, touching
+from model.events.transitions import decided, edge_enters, ending, meets_bottom, touching
 from model.physics.contacts import corner_on_wall, dot, edge_on_side
 from model.physics.geometry import bottom_corner
 from model.physics.modes import (
@@ -121,8 +121,9 @@ def _against_right(mode):
 @kernel
 def _right_edge_enters(time, q, p, mode, declared):
     """Begin the contact of A1 with the right side face, or as ``edge_enters``."""
-    bottom, left, right, top = edge_inside(RIGHT_EDGE, corner_positions(q, p), p)
-    if not mode.dropped or bottom <= min(left, min(right, top)):
+    depths = edge_inside(RIGHT_EDGE, corner_positions(q, p), p)
+    _, left, right, top = depths
+    if not mode.dropped or meets_bottom(depths, p):
         return edge_enters(RIGHT_EDGE, time, q, p, mode, declared)
     if right > min(left, top):
         return mode, OUTCOME.LEFT_SCENE, REASON.EDGE_ON_OTHER_FACE

@@ -116,11 +116,22 @@ def face_lands(edge, time, q, p, mode, declared):
     return decided(time, q, p, met, False, False)
 
 
+@inlined_kernel
+def meets_bottom(depths, p):
+    """Return whether an edge inside a plane part is least deep behind its bottom face.
+
+    A round part's edge meets its side only, at a depth that may equal that behind the bottom.
+    """
+    bottom, left, right, top = depths
+    return not p.is_round and bottom <= min(left, min(right, top))
+
+
 @kernel
 def edge_enters(edge, time, q, p, mode, declared):
     """Begin the contact of an edge with the face behind which it is least deep in the part."""
-    bottom, left, right, top = edge_inside(edge, corner_positions(q, p), p)
-    if bottom <= min(left, min(right, top)):
+    depths = edge_inside(edge, corner_positions(q, p), p)
+    _, left, right, top = depths
+    if meets_bottom(depths, p):
         return face_lands(edge, time, q, p, mode, declared)
     if edge == LEFT_EDGE and left <= min(right, top):
         if not declared.edge_on_side:

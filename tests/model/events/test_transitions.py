@@ -7,6 +7,7 @@ import pytest
 from model.events import kernels
 from model.events.friction import decide_friction, hold_sticking
 from model.events.kernels import events_of
+from model.events.round_parts import with_tips
 from model.events.table import (
     FACE_FAR_END,
     FACE_GAP,
@@ -19,6 +20,7 @@ from model.events.table import (
     RIGHT_EDGE_ENTERS,
     RIGHT_WALL,
     SUPPORT_SLIP,
+    number_of,
 )
 from model.events.transitions import CONTINUES
 from model.physics.contacts import edge_on_face, edge_on_side
@@ -33,7 +35,8 @@ from model.physics.modes import (
 )
 from model.physics.motion import motion
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
-from vibralign import ALIGNMENT, PRINTED_CONTACTS, SUSPENDED, Outcome, Reason
+from model.physics.parameters import RoundConstants
+from vibralign import ALIGNMENT, INSERTION, PRINTED_CONTACTS, SUSPENDED, Outcome, Reason
 
 FREE = START._replace(face=OPEN)
 EVENTS = events_of(ALIGNMENT.events)
@@ -148,6 +151,25 @@ def test_an_edge_presses_on_the_face_through_which_it_enters(p):
     assert (mode.edge, mode.face, outcome) == (RIGHT_EDGE, CLOSED, CONTINUES)
     mode, outcome, _ = transition(LEFT_EDGE_ENTERS, ENTER_LEFT, p, FREE)
     assert (mode.face, mode.side, outcome) == (OPEN, CLOSED, CONTINUES)
+
+
+@pytest.mark.parametrize("edge", [LEFT_EDGE, RIGHT_EDGE])
+@pytest.mark.parametrize("deeper", [-1e-13, 0.0, 1e-13])
+def test_an_edge_in_a_round_part_meets_its_side_alone(p, edge, deeper):
+    # Its event is where it is as deep behind the side as behind the bottom: rounding must not
+    # choose the bottom face, which rests on tips.
+    table, tilt, depth = with_tips(INSERTION.events), -0.02 * edge, 1e-3
+    round_part = RoundConstants(*p)
+    along, axis = edge * (p.half_width - depth), depth + deeper - p.half_height
+    x = edge * p.slot_half_width - along * cos(tilt) + axis * sin(tilt)
+    q = State(x, -along * sin(tilt) - axis * cos(tilt), tilt, edge * 1.0, 0.0, 0.0)
+    which = number_of("left_edge_enters" if edge == LEFT_EDGE else "right_edge_enters", table)
+    fallen = FREE._replace(dropped=True)
+    mode, outcome, _ = kernels.transition(
+        events_of(table), which, 0.0, q, round_part, fallen, INSERTION.declared
+    )
+    right = (mode.face, mode.in_slot) if edge == RIGHT_EDGE else (mode.side, True)
+    assert (*right, mode.corner, outcome) == (CLOSED, True, OPEN, CONTINUES)
 
 
 @pytest.mark.parametrize(
