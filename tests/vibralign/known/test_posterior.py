@@ -10,7 +10,7 @@ from tests.vibralign.known.bench import FILE, QUICK, SETTINGS, TRUTH, trials_of,
 from vibralign import calibrate, load_device
 from vibralign.device.unknown import Range
 from vibralign.known.likelihood import OUTLIERS, WIDEST, log_density, log_failing, log_likelihood
-from vibralign.known.next_trial import information
+from vibralign.known.next_trial import information, next_of
 from vibralign.known.possible import equally, run_sets, touch_downs
 from vibralign.known.posterior import sample
 
@@ -123,3 +123,17 @@ def test_posteriors_of_ten_devices_are_those_of_brute_force():
         assert np.abs(mean - true_mean).max() < 0.08, seed
         np.testing.assert_allclose(width, true_width, rtol=0.35, err_msg=str(seed))
         assert slope == pytest.approx(true_slope, abs=0.35), seed
+
+
+@pytest.mark.parametrize(("limit", "adds"), [("2 s", False), ("0.1 s", True)])
+def test_a_trial_is_worth_making_only_where_knowing_adds_to_the_best_setting(tmp_path, limit, adds):
+    file = tmp_path / "free.yaml"
+    free = f"free:\n  press_force: 3 N to 14 N\nlimits:\n  time: {limit}\n"
+    file.write_text(FILE.read_text() + free)
+    device = load_device(file)
+    sets = {name: each.at(np.linspace(0.1, 0.9, 8)) for name, each in device.unknown.items()}
+    found = next_of(device, [], sets, QUICK)
+    assert (found.share < 1.0) == adds
+    assert (found.knowing_adds > 0.1) == adds
+    assert found.is_worth_it == adds
+    assert (found.trials[0].bits > 0.05) == adds
