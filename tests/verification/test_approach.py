@@ -7,8 +7,8 @@ import pytest
 
 from model.events.outcomes import Reason
 from verification.accuracy import LEAVING
-from verification.independent import solve, solve_round
-from vibralign import Outcome, Parameters, align
+from verification.independent import insert, solve, solve_round
+from vibralign import INSERTION, Batch, Outcome, Parameters, align, simulate
 
 HORIZON = 12.0
 # Log-uniform ranges, around the study's device; the part covers the edge and may be tipped over it.
@@ -67,3 +67,30 @@ def test_it_agrees_with_the_integrator(device, start, shape, count):
     wrong, aligned = disagreements(device, start, shape, range(first, first + count))
     assert not wrong
     assert aligned >= count // 4
+
+
+# Sets whose right side meets A1 as they swing into the mouth, before B2 is below the plane.
+MEETS_BY_ITS_SIDE, ROUND_MEETS_BY_ITS_SIDE = 4, 10_028
+
+
+def test_a_part_that_meets_the_edge_by_its_side_slides_in(device):
+    p = drawn(device, MEETS_BY_ITS_SIDE)
+    run = simulate(
+        p, start="running", shape="square", scene=INSERTION, horizon=HORIZON, tolerance=1e-11
+    )
+    solution = insert(p, HORIZON, float(Batch.stack([p]).insertion_depths()[0]), 1e-12, "running")
+    assert (run.outcome, solution.ending) == (Outcome.INSERTED, "inserted")
+    assert solution.tau == pytest.approx(run.tau_align, abs=1e-11 + run.tau_error)
+    inserted = run.tau_align + run.tau_inserted
+    assert solution.time == pytest.approx(inserted, abs=1e-11 + run.insertion_error)
+
+
+def test_the_alignment_scene_has_no_contact_there(device):
+    p = drawn(device, ROUND_MEETS_BY_ITS_SIDE)
+    run = simulate(p, start="running", shape="round", horizon=HORIZON)
+    solution = solve_round(p, HORIZON, 1e-9, "running")
+    assert (run.reason, solution.ending) == (Reason.EDGE_ON_OTHER_FACE, "other face")
+    assert solution.time == pytest.approx(run.time[-1], abs=1e-6)
+    inserted = simulate(p, start="running", shape="round", scene=INSERTION, horizon=HORIZON)
+    assert inserted.outcome is Outcome.INSERTED
+    assert inserted.tau_align == pytest.approx(run.time[-1], abs=1e-9)

@@ -25,8 +25,8 @@ def _stands_on(mode: Mode, edge: int) -> bool:
 class _Insertion(Run):
     """A run that is continued after alignment, in the slot."""
 
-    def __init__(self, device: Device, tolerance: float, depth: float) -> None:
-        super().__init__(device, tolerance)
+    def __init__(self, device: Device, tolerance: float, depth: float, start: str) -> None:
+        super().__init__(device, tolerance, start)
         self.insertion_depth = depth
 
     def functions(self, mode: Mode) -> dict[str, Function]:
@@ -76,6 +76,8 @@ class _Insertion(Run):
         """Return the mode that follows an event, or the name of the end."""
         if name == "inserted":
             return name
+        if name == "right enters" and not mode.dropped and self._side_meets(z, mode):
+            return "aligned"
         found = self._in_slot(name, time, z, mode) if mode.dropped else None
         found = found or super().after(name, time, z, mode)
         return found if isinstance(found, str) else self.pressed(time, z, found)
@@ -140,7 +142,23 @@ class _Insertion(Run):
 
     def continued(self, time: float, z: State, mode: Mode) -> Mode | str:
         """Return the mode after the fall into the slot, or the ending."""
-        return self.pressed(time, z, replace(mode, dropped=True, face="off"))
+        fallen: Mode | str = replace(mode, dropped=True, face="off")
+        if self._side_meets(z, mode):
+            fallen = self._meets("enters", RIGHT, time, z, replace(mode, dropped=True))
+        return fallen if isinstance(fallen, str) else self.pressed(time, z, fallen)
+
+    def _side_meets(self, z: State, mode: Mode) -> bool:
+        """Return whether the right side meets A1, with B1 in the slot and B2 over it."""
+        at = body(z)
+        bottom, left, right, top = self.device.depths(RIGHT, at)
+        over = self.device.corner(LEFT, at)
+        stands = mode.face != "off" or mode.corner != "off"
+        return (
+            not stands
+            and right < min(bottom, left, top)
+            and over.real >= -self.device.l
+            and over.imag > 0.0
+        )
 
     def end_at_horizon(self, z: State, mode: Mode) -> str:
         """Return the ending of a part that is neither inserted nor out of the slot."""
@@ -165,8 +183,9 @@ class _Insertion(Run):
 
 
 def insert(
-    parameters: Parameters, horizon: float, depth: float, tolerance: float = SMALLEST_TOLERANCE
-) -> Solution:
+    parameters: Parameters, horizon: float, depth: float, tolerance: float = SMALLEST_TOLERANCE,
+    start: str = "simultaneous",
+) -> Solution:  # fmt: skip
     """Solve for one parameter set until both bottom corners are at a depth (dimensionless).
 
     The ending is "inserted"; "wedged" or "lack of force" if the part sticks at two points at the
@@ -176,4 +195,4 @@ def insert(
     Raises:
         ArithmeticError, ValueError: as ``solve``.
     """
-    return _Insertion(Device(parameters), tolerance, depth).run(horizon)
+    return _Insertion(Device(parameters), tolerance, depth, start).run(horizon)

@@ -125,18 +125,18 @@ class RoundRun(Run):
             def meets(at: Body, side: int = side) -> Any:
                 tips = d.tips(side, at)
                 return highest(
-                    -tips.behind, *(each - d.a for each in (tips.along, -tips.along)),
-                    -tips.middle,
+                    -tips.behind, tips.along - d.a + np.maximum(tips.behind, 0.0),
+                    -tips.along - d.a, -tips.middle,
                 )  # fmt: skip
 
+            def beside(at: Body, side: int = side) -> Any:
+                bottom, left, right, top = d.depths(side, at)
+                here = left if side == LEFT else right
+                return highest(-here, here - bottom, -top)
+
             add(f"{name} tips", meets)
-        if "left tips" in found:
-
-            def beside(at: Body) -> Any:
-                bottom, left, _, top = d.depths(LEFT, at)
-                return highest(-left, left - bottom, -top)
-
-            add("left enters", beside)
+            if side == LEFT or not (mode.edge == RIGHT and mode.corner != "off"):
+                add(f"{name} enters", beside)
         if mode.face != "off":
             add("face end", lambda at: d.a - d.tips(mode.edge, at).along)
             add("face far", lambda at: d.a + d.tips(mode.edge, at).along)
@@ -152,6 +152,8 @@ class RoundRun(Run):
             return self._next(time, z, mode, replace(mode, edge=side, face="on"))
         if name == "left enters":
             return self._next(time, z, mode, replace(mode, side="on"))
+        if name == "right enters":
+            return "other face"
         return super().after(name, time, z, mode)
 
 

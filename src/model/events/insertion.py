@@ -16,7 +16,14 @@ from model.events.outcomes import OUTCOME, REASON
 from model.events.scenes import CONTACT_NAMES, Scene
 from model.events.sources import corner_positions, on_both_sides
 from model.events.table import CONDITIONS, CONTACTS, Event, Source, changed, of_contact, state_is
-from model.events.transitions import decided, edge_enters, ending, meets_bottom, touching
+from model.events.transitions import (
+    CONTINUES,
+    decided,
+    edge_enters,
+    ending,
+    meets_bottom,
+    touching,
+)
 from model.physics.contacts import corner_on_wall, dot, edge_on_side
 from model.physics.geometry import bottom_corner
 from model.physics.modes import (
@@ -120,17 +127,27 @@ def _against_right(mode):
 
 @kernel
 def _right_edge_enters(time, q, p, mode, declared):
-    """Begin the contact of A1 with the right side face, or as ``edge_enters``."""
-    depths = edge_inside(RIGHT_EDGE, corner_positions(q, p), p)
+    """Begin the contact of A1 with the right side face, or as ``edge_enters``.
+
+    A part that has not fallen in is aligned then: B1 is in the slot, and B2 over it.
+    """
+    at = corner_positions(q, p)
+    depths = edge_inside(RIGHT_EDGE, at, p)
     _, left, right, top = depths
-    if not mode.dropped or meets_bottom(depths, p):
+    in_slot = right <= functions.ON_AN_EVENT and at.left_corner_x >= -p.slot_half_width
+    aligns = mode.corner == OPEN and in_slot
+    if not (mode.dropped or aligns) or meets_bottom(depths, p):
         return edge_enters(RIGHT_EDGE, time, q, p, mode, declared)
     if right > min(left, top):
         return mode, OUTCOME.LEFT_SCENE, REASON.EDGE_ON_OTHER_FACE
     if _stands_on(mode, LEFT_EDGE):
         return mode, OUTCOME.LEFT_SCENE, REASON.BOTH_SIDES
     state = touching(0.0, edge_on_side(RIGHT_EDGE, q, p), q, p)
-    return decided(time, q, p, _right_side(_against_right(mode), state), False, False)
+    met = _right_side(_against_right(mode), state)._replace(dropped=True)
+    found, outcome, reason = decided(time, q, p, met, False, False)
+    if not mode.dropped and outcome == CONTINUES:
+        return found, OUTCOME.ALIGNED, REASON.NONE
+    return found, outcome, reason
 
 
 @kernel

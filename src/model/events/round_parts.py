@@ -17,6 +17,7 @@ from model.events.table import (
     Event,
     Table,
     left_edge_is_free,
+    right_corner_is_free,
     right_edge_is_free,
 )
 
@@ -25,7 +26,7 @@ RIGHT_TIPS, LEFT_TIPS = "right_tips_enter", "left_tips_enter"
 
 @inlined_kernel
 def _right_side_is_free(p, mode):
-    return mode.dropped and right_edge_is_free(p, mode)
+    return right_edge_is_free(p, mode) and (mode.dropped or right_corner_is_free(p, mode))
 
 
 _ENTERING = {
