@@ -59,6 +59,11 @@ def cause_of(run: Trajectory, shape: Shape) -> Cause:
         if way < 0.0:
             come = f"it has moved away from the hole, by {rounded(-way, 2)} % of the way"
         lifted = f"lifts off {run.separations} times" if run.separations else "never lifts off"
+        if way > 100.0:
+            past = (
+                f"at the horizon it has passed the hole's edge by {rounded(way - 100.0, 2)} % of "
+            )
+            return Cause(f"it does not drop: {past}the way; it slips, {lifted}", _SOFTER)
         words = f"it slips, {lifted}, {against}"
         if run.outcome == Outcome.SETTLED:
             return Cause(f"the vibration moves it no further: {come}; {words}", _SOFTER)
