@@ -6,8 +6,6 @@ from pathlib import Path
 
 from sphinx.application import Sphinx
 
-import model
-
 _REPOSITORY = Path(__file__).parents[2]
 
 
@@ -28,7 +26,6 @@ def script_of(notebook: Path) -> str:
 
 def setup(_: Sphinx) -> dict[str, bool]:
     """Copy the examples, before sphinx-gallery runs; the results beside them are the reference."""
-    del model.__getattr__  # answers old names with an ImportError, where sphinx-gallery just asks
     folder = _REPOSITORY / "build" / "examples"
     for old in (folder, folder.parent / "results"):
         shutil.rmtree(old, ignore_errors=True)

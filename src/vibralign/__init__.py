@@ -118,7 +118,7 @@ def __getattr__(name: str) -> Any:
     if name == "Readings":  # the name in the API
         return __getattr__("Variants")
     if name == "read_device":
-        raise ImportError("vibralign.read_device: since release 2 write load_device")
+        raise AttributeError("vibralign.read_device: since release 2 write load_device")
     if name not in _PLACES:
         raise AttributeError(f"module 'vibralign' has no attribute {name!r}")
     return getattr(importlib.import_module(_PLACES[name]), name)

@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from model.events.insertion import INSERTION
 from model.physics.parameters import Parameters
 from model.physics.tables import Value
 from model.physics.units import UNITS
@@ -57,7 +56,7 @@ from vibralign.device import StatedDevice
 from vibralign.device.approach import Approach
 from vibralign.device.batches import Values
 from vibralign.device.mouth import GRIPPER_TILT
-from vibralign.device.runs import AnyDevice, device_of, of_device
+from vibralign.device.runs import AnyDevice, device_of, of_device, settings_for
 
 _HOPPING = 8  # number of cases whose touch-downs are examined
 _PAIRED = "press_force", "tilt_stiffness", "friction", "amplitude"  # changed two together
@@ -232,8 +231,8 @@ def assess(
         bases: try bases of a device that states one as well; only ``bases`` are then of these.
         vary: seek the leeways, or the nearest reliable values if a case fails.
     """
-    device, settings = device_of(device), settings or Settings(scene=INSERTION)
-    ensemble = ensemble or Ensemble()
+    device = device_of(device)
+    settings, ensemble = settings_for(device, settings), ensemble or Ensemble()
     cases, tried = cases_of(device, ensemble), cases_of(device, ensemble, bases=bases)
     found, units = from_every_start(device, as_stated(device), tried, settings, cores)
     on_all = {name: column[0] for name, column in found.items()}

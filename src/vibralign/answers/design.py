@@ -19,7 +19,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import optimize, stats
 
-from model.events.insertion import INSERTION
 from model.physics.tables import Value
 from model.runs.settings import Settings
 from model.sweeps.settings import Ensemble
@@ -30,7 +29,7 @@ from vibralign.answers.reliability import Floats
 from vibralign.answers.yields import check_devices, interval
 from vibralign.device import StatedDevice, Tolerance
 from vibralign.device.instead import name_in
-from vibralign.device.runs import AnyDevice, device_of
+from vibralign.device.runs import AnyDevice, device_of, settings_for
 from vibralign.device.stated import unit_of
 
 MARGIN_STEP = 0.25
@@ -235,7 +234,7 @@ def trials_of(
     if not isinstance(stated, StatedDevice):
         raise TypeError("a design needs a device of a file, with free quantities, got Parameters")
     stated = with_tolerances(stated)
-    settings, ensemble = settings or Settings(scene=INSERTION), ensemble or Ensemble()
+    settings, ensemble = settings_for(stated, settings), ensemble or Ensemble()
     stated = in_worst_approach(stated, settings, ensemble, cores)
     cases = cases_of(stated, ensemble, varied=(*stated.free, *stated.tolerances))
     return Trials(stated, cases, settings, cores, seed, check_devices(devices))

@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from model.events.insertion import INSERTION
 from model.events.outcomes import SUCCESSES, Outcome, Unvibrated
 from model.events.table import PLACES_OF_CONTACT
 from model.physics.parameters import PARAMETER_NAMES, Parameters, check_name
@@ -29,7 +28,7 @@ from vibralign.device import StatedDevice
 from vibralign.device.amounts import read_amount
 from vibralign.device.batches import Values, by_settings, devices_of, rows_of
 from vibralign.device.mouth import judged
-from vibralign.device.runs import AnyDevice, devices_in
+from vibralign.device.runs import AnyDevice, devices_in, settings_for
 from vibralign.device.stated import bound_of, check_quantity, unit_of
 
 Floats = NDArray[np.float64]
@@ -288,6 +287,6 @@ def reliable_at(
         shapes = ", ".join(f"{name}: {each.size}" for name, each in values.items())
         raise ValueError(f"quantities must have one common length, got {shapes}")
     varied: Values = values or as_stated(device)
-    settings = settings or Settings(scene=INSERTION)
+    settings = settings_for(device, settings)
     cases = cases_of(device, Ensemble(), varied=varied)
     return are_reliable(device, varied, cases, settings, cores)

@@ -1,7 +1,7 @@
 """Runs of devices in any form: of a file, as ``load_device`` returns them, or dimensionless.
 
 A device of a file runs as the file states it: its start, its shape, and a horizon or depth in SI
-units, unless the settings state another.
+units, unless the settings state another shape, horizon or depth.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model.engine.results import RESULTS, VALUE_TYPES
+from model.events.insertion import INSERTION
 from model.physics.parameters import Batch, Parameters
 from model.physics.quantities import LENGTH, TIME, Quantity
 from model.physics.tables import vars_of
@@ -22,6 +23,7 @@ from model.runs.align import Alignments
 from model.runs.settings import Settings, settings_with
 from model.runs.simulate import Trajectory
 from vibralign.device.amounts import read_positive
+from vibralign.device.approach import read_start
 from vibralign.device.load import load_device
 from vibralign.device.mouth import judged
 from vibralign.device.stated import QUANTITIES, StatedDevice
@@ -68,16 +70,35 @@ def devices_in(given: AnyDevice | Iterable[AnyDevice]) -> list[Device]:
     return [device_of(each) for each in given]
 
 
+def _check_start(device: StatedDevice, start: str | None) -> None:
+    """Refuse a start that is not the device's, which would have no effect."""
+    if start not in (None, device.run_settings(Settings(), device.units).start):
+        read_start({"start": start})
+
+
+def settings_for(device: Device, settings: Settings | None) -> Settings:
+    """Return the settings of an answer: in the insertion scene unless there are others.
+
+    Raises:
+        ValueError: a start that is not the device's.
+    """
+    if isinstance(device, StatedDevice) and settings is not None:
+        _check_start(device, settings.start)
+    return settings or Settings(scene=INSERTION)
+
+
 def with_changes(
     device: Device, settings: Settings | None, changes: dict[str, Any]
 ) -> tuple[Device, Settings]:
     """Return a device with the horizon and depth that are texts, and the settings with the rest.
 
     Raises:
-        TypeError, ValueError: as ``settings_with``, or a text that is no amount.
+        TypeError, ValueError: as ``settings_with``, a text that is no amount, or a start, which
+            the device states.
     """
     if isinstance(device, Parameters):
         return device, _settings_with(settings, changes)
+    _check_start(device, changes.get("start", None if settings is None else settings.start))
     texts = {n: v for n, v in changes.items() if n in IN_SI and isinstance(v, str)}
     in_si: Any = {n: read_positive(n, text, IN_SI[n].unit) for n, text in texts.items()}
     others = {name: value for name, value in changes.items() if name not in texts}
@@ -112,8 +133,8 @@ def simulate(parameters: AnyDevice, settings: Settings | None = None, **changes:
 
     Args:
         parameters: device, excitation and initial state; or a device as ``load_device`` returns it,
-            or the path of its file: with the start and shape that it states unless the settings
-            state others.
+            or the path of its file: with the start that it states, and its shape unless the
+            settings state another.
         settings: settings of the run; the defaults of ``Settings`` if None.
         **changes: fields of ``Settings`` by name, over those of ``settings`` (``horizon=100``);
             ``horizon="3 s"`` and ``insertion_depth="2 mm"`` for a device in SI units.

@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from model.events.scenes import ALIGNMENT
 from model.physics.fields import Bound
@@ -189,6 +189,11 @@ class StatedDevice(Value):
         vibrator, speed = approach or self.approaches()[0]
         own = {} if speed is None else {SPEED: speed}
         return replace(self, vibrator=vibrator, quantities={**self.quantities, **own})
+
+    @property
+    def start(self) -> NoReturn:
+        """Refuse, as ``start`` was that of release 1."""
+        raise AttributeError("StatedDevice.start: since release 2 write `vibrator` and `sudden`")
 
     @property
     def stated_start(self) -> dict[str, float | str]:
