@@ -10,7 +10,7 @@ from tests.vibralign.known.bench import FILE, QUICK, SETTINGS, TRUTH, trials_of,
 from vibralign import calibrate, load_device
 from vibralign.device.unknown import Range
 from vibralign.known.likelihood import OUTLIERS, WIDEST, log_density, log_failing, log_likelihood
-from vibralign.known.next_trial import information
+from vibralign.known.next_trial import information, next_of
 from vibralign.known.possible import equally, run_sets, touch_downs
 from vibralign.known.posterior import sample
 
@@ -125,45 +125,15 @@ def test_posteriors_of_ten_devices_are_those_of_brute_force():
         assert slope == pytest.approx(true_slope, abs=0.35), seed
 
 
-WORLDS = {  # what the bench has, and the file has not
-    "its own": {},
-    "lowered, vibrating": {"approach_speed": "30 mm/s", "vibrator": "running"},
-    "a base ten times as soft": {"contact_stiffness": "0.1 MN/m"},
-}
-
-
-def calibrated(count, world):
-    """Return the calibrations of benches whose device is another, with their truths."""
-    device = load_device(FILE)
-    for number in range(count):
-        rng = np.random.default_rng([number, 11])
-        truth = truth_of(device, rng)
-        rows = trials_of(device.changed(**WORLDS[world]), truth, SETTINGS, rng)
-        yield calibrate(device, rows, QUICK), truth
-
-
-@pytest.mark.nightly
-def test_intervals_hold_the_truth_and_are_narrower_than_the_ranges():
-    held, widths, called = dict.fromkeys(TRUTH, 0), {name: [] for name in TRUTH}, 0
-    for found, truth in calibrated(100, "its own"):
-        called += not found.fit.fits
-        for name, (low, _, high) in found.intervals().items():
-            ends = found.device.unknown[name]
-            held[name] += low <= truth[name] <= high
-            widths[name].append((high - low) / (0.9 * (ends.high - ends.low)))
-    assert all(82 <= each <= 97 for each in held.values()), held
-    assert np.mean(widths["friction"]) < 0.5
-    assert np.mean(widths["tilt_stiffness"]) < 0.9
-    assert called <= 10
-
-
-@pytest.mark.nightly
-def test_another_approach_is_called_not_fitting():
-    assert sum(not found.fit.fits for found, _ in calibrated(30, "lowered, vibrating")) >= 24
-
-
-@pytest.mark.nightly
-def test_a_softer_base_is_noticed_in_some_benches():
-    # Another friction imitates it in the others (docs/known-in-part.md).
-    soft = sum(not found.fit.fits for found, _ in calibrated(30, "a base ten times as soft"))
-    assert soft >= 10
+@pytest.mark.parametrize(("limit", "adds"), [("2 s", False), ("0.1 s", True)])
+def test_a_trial_is_worth_making_only_where_knowing_adds_to_the_best_setting(tmp_path, limit, adds):
+    file = tmp_path / "free.yaml"
+    free = f"free:\n  press_force: 3 N to 14 N\nlimits:\n  time: {limit}\n"
+    file.write_text(FILE.read_text() + free)
+    device = load_device(file)
+    sets = {name: each.at(np.linspace(0.1, 0.9, 8)) for name, each in device.unknown.items()}
+    found = next_of(device, [], sets, QUICK)
+    assert (found.share < 1.0) == adds
+    assert (found.knowing_adds > 0.1) == adds
+    assert found.is_worth_it == adds
+    assert (found.trials[0].bits > 0.05) == adds
