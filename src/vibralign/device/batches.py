@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from model.physics.parameters import FIELDS, Batch, Parameters
 from model.physics.units import UNITS, Units, scales
 from model.runs.settings import Settings
+from vibralign.device.approach import SPEED, SUDDEN
 from vibralign.device.instead import INSTEAD
 from vibralign.device.mouth import MOUTH, as_parameters
 from vibralign.device.stated import StatedDevice
@@ -26,10 +27,12 @@ def devices_of(stated: Parameters | StatedDevice, values: Values) -> tuple[Batch
     A value that is the device's own is no change: what is computed from others still is.
 
     Raises:
-        ValueError: a quantity outside its rule.
+        ValueError: a quantity outside its rule, or the speed of a sudden start.
     """
     if isinstance(stated, Parameters):
         return Batch.of(stated, **values), []
+    if stated.sudden and SPEED in values:
+        raise ValueError(f"{SPEED}: cannot vary with {SPEED}: {SUDDEN}")
     stated = stated.lowered()  # its speed is one in SI units
     size = len(next(iter(values.values()))) if values else 1
     si = _resolved(stated, values, size)

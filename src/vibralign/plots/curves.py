@@ -5,6 +5,7 @@ marks the gap, so that it is not taken for missing data.
 """
 
 from collections.abc import Mapping
+from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -216,6 +217,6 @@ def draw_settings(dataset: xr.Dataset, why: str = "") -> Figure:
             words = each.attrs["long_name"].removeprefix("setting: ")
             set_label(f"{words} ({each.attrs['units']})".removesuffix(" (1)"))
         if why:
-            axes.set_title(f"Nothing found, because {why}")
+            axes.set_title(fill(f"Nothing found, because {why}", 80))
         axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=2)
         return figure

@@ -9,7 +9,7 @@ import yaml
 
 from model.events.outcomes import Reason
 from model.sweeps.settings import Ensemble
-from vibralign import INSERTION, Settings, load_device, reliable_at, simulate
+from vibralign import INSERTION, Settings, load_device, reliable_at, simulate, sweep
 from vibralign.answers.approaches import in_worst_approach, worst_of
 from vibralign.answers.assess import assess
 from vibralign.answers.cases import approach_of, cases_of, without_approach
@@ -65,6 +65,13 @@ def test_a_start_that_does_not_fit_is_refused(tmp_path, lines, words):
     path.write_text(yaml.safe_dump(given, allow_unicode=True), encoding="utf-8")
     with pytest.raises(DeviceError, match=words):
         load_device(path)
+
+
+def test_the_speed_of_a_sudden_start_cannot_vary():
+    device = changed(approach_speed="sudden")
+    for ask in (sweep, reliable_at):
+        with pytest.raises(ValueError, match="cannot vary with approach_speed: sudden"):
+            ask(device, approach_speed=[0.005, 0.01])
 
 
 def test_the_option_of_a_start_is_answered_with_what_to_write(capsys):

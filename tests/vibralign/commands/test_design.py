@@ -130,10 +130,15 @@ def test_limits_that_cannot_be_kept_exit_with_1(capsys, peg):
     assert relax.endswith("(tried)")
 
 
-def test_the_nearest_setting_names_the_limits_that_it_passes(capsys, peg):
-    device = peg("time: 60 ms", friction="0.3 ± 0.29")
-    assert cli.main(["design", "--device", device, *QUICK, *BASE]) == cli.FAILED
+def test_the_nearest_setting_names_the_limits_that_it_passes(capsys, peg, tmp_path):
+    device, plot = peg("time: 60 ms", friction="0.3 ± 0.29"), tmp_path / "design.svg"
+    given = ["design", "--device", device, *QUICK, *BASE, "--plot", str(plot)]
+    assert cli.main(given) == cli.FAILED
     said = capsys.readouterr().out
+    drawn_words = " ".join(re.findall(r">([^<>]+)</t", plot.read_text(encoding="utf-8")))
+    assert f"Nothing found, because {said.splitlines()[0]}" in drawn_words
+    assert "nearest to it" in drawn_words
+    assert "recommended" not in drawn_words
     words = "goes in and keeps the limits with all devices within the tolerances"
     assert said.startswith(f"no setting of those tried {words}\nnearest to it ")
     nearest = re.search(
