@@ -268,7 +268,7 @@ def test_the_series_keep_energy_without_damping_and_friction(shape: str) -> None
     """
     step = Step(SLIDES, SLIDES, 0.1, shape=shape, lossless=True)
     nodes, weights = np.polynomial.legendre.leggauss(12)
-    end = 0.02
+    end, changes = 0.02, list[float]()
     for lane in range(WIDTH):
         p = step.constants(lane)
 
@@ -285,8 +285,9 @@ def test_the_series_keep_energy_without_damping_and_friction(shape: str) -> None
         force = press + np.sin(p.frequency * (0.3 + times) + p.phase)
         work = -0.5 * end * weights @ (force * step.at(times, lane)[:, 4])
         start = energy(0.0)
-        assert abs(energy(end) - start) > 1e-4
+        changes.append(abs(energy(end) - start))
         assert energy(end) - start == pytest.approx(work, abs=1e-11 * abs(start))
+    assert np.median(changes) > 1e-4
 
 
 OFFSET = -0.1  # depth of a corner when it began to press
