@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from tests.verification.test_independent import RUNS
+from tests.verification.test_independent import DROPS_TWICE, RUNS
 from verification.independent import solve_printed
-from verification.independent.printed import READINGS
+from verification.independent.printed import CRITERION, READINGS
 from vibralign import Variants, simulate
 
 HORIZON = 6.0
@@ -31,6 +31,17 @@ def test_it_agrees_with_the_integrator_in_printed_readings(device, name, printed
     assert np.abs(consistent.state[-1] - run.state[-1]).max() > 1e-4, "the reading acts"
 
 
+def test_as_printed_a_part_aligns_once_all_its_corners_are_inside():
+    # R8. The first fall, from which the part is lifted out again, is no alignment.
+    printed = Variants(alignment_criterion="printed")
+    run = simulate(DROPS_TWICE, readings=printed, horizon=20.0, tolerance=1e-13)
+    solution = solve_printed(DROPS_TWICE, 20.0, [CRITERION])
+    assert solution.ending == "aligned"
+    assert {"aligned", "right enters", "inside"} <= set(solution.events)
+    assert solution.tau == pytest.approx(run.tau_align, abs=1e-12 + run.tau_error)
+    assert run.tau_align > 10.0 > simulate(DROPS_TWICE).tau_align
+
+
 def test_an_unknown_reading_is_refused(device):
-    with pytest.raises(ValueError, match=r"printed = .'alignment_criterion'.: must be of"):
-        solve_printed(device, 1.0, ["alignment_criterion"])
+    with pytest.raises(ValueError, match=r"printed = .'law'.: must be of"):
+        solve_printed(device, 1.0, ["law"])

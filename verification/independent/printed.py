@@ -1,13 +1,25 @@
 """The independent solution with readings of the equations as the paper prints them: R1 to R9.
 
-R7 has no printed reading that runs, and R8, the end of a run, is the consistent one here.
+R7 has no printed reading that runs.
 """
 
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import Any
 
 from model.physics.parameters import Parameters
-from verification.independent.motion import LEFT, Body, Device, Touch
+from verification.independent.crossings import Function
+from verification.independent.motion import (
+    LEFT,
+    RIGHT,
+    Body,
+    Device,
+    Mode,
+    State,
+    Touch,
+    body,
+    highest,
+)
 from verification.independent.solution import SMALLEST_TOLERANCE, Run, Solution
 
 READINGS = (
@@ -15,6 +27,7 @@ READINGS = (
     "moment_arms",
 )  # fmt: skip
 """R1 to R6 and R9, as ``Variants`` names them."""
+CRITERION = "alignment_criterion"  # R8: all corner conditions, not only the fall into the slot
 
 
 def _mirrored(direction: Any) -> Any:
@@ -32,8 +45,9 @@ class PrintedDevice(Device):
     def __init__(self, p: Parameters, printed: Iterable[str]) -> None:
         super().__init__(p)
         self.printed = frozenset(printed)
-        if unknown := self.printed - {*READINGS}:
-            raise ValueError(f"printed = {sorted(unknown)}: must be of {', '.join(READINGS)}")
+        known = *READINGS, CRITERION
+        if unknown := self.printed - {*known}:
+            raise ValueError(f"printed = {sorted(unknown)}: must be of {', '.join(known)}")
         if "preload" in self.printed:  # R6: the axial spring is relaxed at y = 0
             self.rest = complex(self.rest.real)
 
@@ -91,6 +105,30 @@ class PrintedDevice(Device):
         return bottom, left, right, top
 
 
+class _PrintedRun(Run):
+    """A run that ends, of R8, once all four corner conditions hold after the fall."""
+
+    def functions(self, mode: Mode) -> dict[str, Function]:
+        """Return the event functions of the mode by name, positive while it holds."""
+        found, d = super().functions(mode), self.device
+        if mode.dropped and "aligned" in found:
+            del found["aligned"], found["right wall"]
+
+            def inside(_time: Any, z: State) -> Any:
+                right, left = (d.corner(side, body(z)) for side in (RIGHT, LEFT))
+                return highest(right.real - d.l, -left.real - d.l, right.imag, left.imag)
+
+            found["inside"] = inside
+        return found
+
+    def after(self, name: str, time: float, z: State, mode: Mode) -> Mode | str:
+        """Return the mode that follows an event, or the ending."""
+        found = "aligned" if name == "inside" else super().after(name, time, z, mode)
+        if found == "aligned" and name != "inside" and CRITERION in self.device.printed:
+            return replace(mode, dropped=True, face="off")
+        return found
+
+
 def solve_printed(
     parameters: Parameters,
     horizon: float,
@@ -100,6 +138,6 @@ def solve_printed(
     """Solve the alignment scene with some readings as ``printed``; as ``solve``.
 
     Raises:
-        ValueError: a name that is none of ``READINGS``.
+        ValueError: a name that is none of ``READINGS`` and not ``CRITERION``.
     """
-    return Run(PrintedDevice(parameters, printed), tolerance).run(horizon)
+    return _PrintedRun(PrintedDevice(parameters, printed), tolerance).run(horizon)
