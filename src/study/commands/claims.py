@@ -15,7 +15,7 @@ def add(commands: Any) -> None:
         commands,
         "claims",
         _claims,
-        "list every entry of the ledger with its verdict, as built",
+        "list every entry of the ledger with the verdict of a build",
         ": one line an entry, with the share of random devices that show it and the parts that "
         "fail, and a last line that counts the verdicts.",
         epilog="exit code: 0 listed; 2 bad input",
@@ -24,10 +24,10 @@ def add(commands: Any) -> None:
     parser.add_argument(
         "--regime",
         action="store_true",
-        help="print the regime of each figure instead: the share of points that align, of all, on "
-        "the curve where it is least, and up to f0 = 10; of the points that align, the shares that "
-        "align without vibration, that do not rest without it, that meet the corner conditions, "
-        "that lift off, and the tilt at alignment",
+        help="print the regime of each figure instead: the share of points that align, over all "
+        "points, on the curve with the least, and up to f0 = 10; of the points that align, the "
+        "shares that align without vibration, that do not rest without it, that meet the corner "
+        "conditions, and that lift off; and the tilt at alignment",
     )
     add_json(parser)
 
@@ -64,8 +64,8 @@ def _claims(arguments: argparse.Namespace) -> int:
 def _nothing_of(arguments: argparse.Namespace, what: str) -> ValueError:
     """Return the refusal of a results root in which the study has built nothing yet."""
     return ValueError(
-        f"--root {arguments.root}: holds no {what} of the study; build it (make), or name its "
-        "results root"
+        f"--root {arguments.root}: holds no {what} of the study; build the study (make), or name "
+        "its results root"
     )
 
 

@@ -64,7 +64,7 @@ def _verify(arguments: argparse.Namespace) -> int:
     elif findings:
         rows = [{**asdict(each), "": each.words} for each in findings]
         print("\n".join(table(rows, ("figure", "variable", "points", ""))))
-        print("what is meant to differ: python -m study accept --figure N --reason ...")
+        print("to accept what is meant to differ: python -m study accept --figure N --reason ...")
     else:
         print(f"{len(computed)} figures agree with {reference}")
     return int(bool(findings))

@@ -45,7 +45,7 @@ def add(commands: Any) -> None:
         f"only those with this status, or with a trajectory of this outcome: {', '.join(_OUTCOMES)}"
     )
     add("--outcome", metavar="OUTCOME", help=words)
-    words = "list the starts of the study instead, by outcome if wanted"
+    words = "list the starts of the study instead of its runs; --outcome selects some"
     add("--starts", action="store_true", help=words)
 
     words = "show all that is recorded of a run or a start"
@@ -68,7 +68,7 @@ def add(commands: Any) -> None:
     )
     add_json(parser)
     parser.add_argument("first", type=Path, metavar="A", help="a results folder")
-    parser.add_argument("second", type=Path, metavar="B", help="another, as of another checkout")
+    parser.add_argument("second", type=Path, metavar="B", help="another, say of another checkout")
     parser.add_argument("--all", action="store_true", help="every difference, however many")
 
 
@@ -77,7 +77,7 @@ def _runs(arguments: argparse.Namespace) -> int:
     if outcome is not None:
         check_name(outcome, _OUTCOMES, "outcome")
     if arguments.starts and figure:
-        raise ValueError("--figure: is a condition on runs; leave out --starts")
+        raise ValueError("--figure: selects runs, not starts; leave out --starts")
     records = (load_history if arguments.starts else load_runs)(arguments.root)
     found = [
         each

@@ -72,7 +72,7 @@ def hold_as_job(root: Path, start: int) -> None:
     """
     fcntl.flock(_open(root, "jobs.lock"), fcntl.LOCK_SH)
     if (now := _holder(root)) != start:
-        raise SystemExit(f"refused: start {start}, to which this job belongs, was killed ({now})")
+        raise SystemExit(f"refused: this job's start, {start}, was killed (the lock names {now})")
 
 
 def _holder(root: Path) -> int | None:
