@@ -58,9 +58,9 @@ def sweep(
         settings: settings of the runs; the defaults of ``Settings`` if None.
         points: number of values, >= 2, of an axis that is given as a range.
         cores: number of threads, >= 1; all cores by default.
-        **axes: quantities by name, each a range in a text ("20..150 Hz"), or its values, or one
-            value that all runs have; numbers in SI units, texts with units; dimensionless for
-            ``Parameters``. Also fields of ``Settings``, as ``simulate`` takes them.
+        **axes: quantities by name, each given as a range in a text ("20..150 Hz"), as its values,
+            or as one value for all runs. Numbers are in SI units (dimensionless for
+            ``Parameters``), texts have units. Also fields of ``Settings``, as for ``simulate``.
 
     Raises:
         TypeError: no device, or a setting of the wrong type.

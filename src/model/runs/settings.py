@@ -46,13 +46,13 @@ class Settings(Value):
         start: "simultaneous": the press and the vibration set in together, on a part that touches
             the base without load (paper). "pressed": the part rests under the press, which has
             risen slowly, and then the vibration sets in; needs the consistent readings. The
-            initial tilt then has no effect. A part without rest leaves the scene at once.
+            initial tilt then has no effect. A part that finds no rest leaves the scene at once.
             "running" and "still": the part is lowered at its ``approach_speed``, with the tilt
             ``rest_tilt``, vibrating or not; see ``Start``. These need the consistent readings, and
             the initial tilt has no effect. Times and the horizon count from the first touch or, of
             "still", from the onset of the vibration; the horizon is longer by the time for which
-            the holder is still lowered. None for the start that the device's file states, and
-            "simultaneous" where it states none.
+            the holder goes on being lowered. None for the start that the device's file states,
+            and "simultaneous" if it states none.
         insertion_depth: depth at which a part counts as inserted, > 0, dimensionless, with
             ``INSERTION`` only; by default that of ``Batch.insertion_depths``.
         horizon: latest time τ of a run, > 0, dimensionless.

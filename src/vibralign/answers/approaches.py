@@ -14,7 +14,7 @@ from vibralign.device.approach import Approach
 
 
 def worst_of(verdicts: Sequence[Verdict]) -> Approach | None:
-    """Return the approach with which most cases fail, of these the slowest; None of none."""
+    """Return the approach with which most cases fail, the slowest of several; None without one."""
 
     def rank(each: Verdict) -> tuple[float, float]:
         return each.aligned / each.starts, -float(np.nan_to_num(each.tau_worst))
@@ -25,9 +25,9 @@ def worst_of(verdicts: Sequence[Verdict]) -> Approach | None:
 def in_worst_approach(
     device: StatedDevice, settings: Settings, ensemble: Ensemble, cores: int = 1
 ) -> StatedDevice:
-    """Return a device with the worst of its approaches, as a first look at its own values finds it.
+    """Return a device with the worst of its approaches stated.
 
-    The look takes the base of a single run, and every start.
+    It is found at the device's own values, from every start, on the base of a single run.
     """
     if len(device.approaches()) < 2:
         return device.lowered()

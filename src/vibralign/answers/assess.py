@@ -70,8 +70,8 @@ class Assessment(Value):
         starts: number of cases: starts, on each of the bases if bases are tried.
         aligned: number of cases in which the device succeeds.
         tau_best, tau_worst: shortest and longest alignment time of these, NaN without any.
-        failing_start: the first case in which the device does not succeed, or None; in SI units
-            for a device of a file, with stiffness and restitution of the base if it is not its own.
+        failing_start: the first case in which the device does not succeed, or None; in SI units for
+            a device of a file, with stiffness and restitution of a base that is not the device's.
         contact_force_max, tilt_max: largest value over all cases, the force at any place.
         separations: smallest and largest number of lift-offs over all cases.
         impact_speed: largest closing rate at a touch-down, of the eight cases that lift off most.
@@ -83,12 +83,12 @@ class Assessment(Value):
         inserted: shortest and longest time until inserted, NaN without any.
         cause: why the failing case fails, in words; empty if none fails.
         change: the first change that makes it reliable, tried: values of one parameter or two, in
-            SI units for a device of a file; empty if none was found. Of one parameter it is a step
-            (6 %) beyond the nearest reliable value, where that is reliable as well.
-        if_square: successes of a square part in its place; None if the shape is stated.
+            SI units for a device of a file; empty if none was found. A change of one parameter goes
+            a step (6 %) beyond the nearest reliable value, if that is reliable as well.
+        if_square: verdict on a square part in its place; None if the shape is stated.
         tilts: verdicts on the gripper's tilts that are tried, its own first; empty if only one is.
-        tilt_range: tilts of the gripper at which it succeeds in every other respect; None if only
-            one tilt is tried, or it fails at that.
+        tilt_range: range of the gripper's tilt in which it succeeds in all other cases; None if
+            only one tilt is tried, or the device fails at its own.
         approaches: verdicts on the approaches that are tried; empty if only one is. The leeways,
             the nearest values and the change are those with ``worst``.
         failing_approach: approach of the failing case, None if it has none of its own.
@@ -129,7 +129,7 @@ class Assessment(Value):
 
     @property
     def worst(self) -> Approach | None:
-        """Approach with which most cases fail, of these the slowest; None if only one is tried."""
+        """Approach with which most cases fail (the slowest of several); None if one is tried."""
         return worst_of(self.approaches)
 
     def __str__(self) -> str:
@@ -194,7 +194,7 @@ class Assessment(Value):
 
 @dataclass(frozen=True)
 class _Asked:
-    """Questions on devices with other values, in the same cases; those that fail stand first."""
+    """Questions on devices with other values, in the same cases; the failing ones stand first."""
 
     device: Parameters | StatedDevice
     cases: Starts
@@ -228,7 +228,7 @@ def assess(
         settings: settings of the runs; None for the defaults, in the insertion scene.
         ensemble: the starts; None for those of the study.
         cores: number of threads.
-        bases: try bases of a device that states one as well; only ``bases`` are then of these.
+        bases: try bases even if the device states one; only the result ``bases`` is then of these.
         vary: seek the leeways, or the nearest reliable values if a case fails.
     """
     device = device_of(device)

@@ -1,10 +1,10 @@
 """Cases that a device meets: starts, approaches and bases where none is stated.
 
-Where a device states no base, a *base* is chance as phase and tilt at touch-down are. It has one of
-``LEVELS`` stiffnesses, from ``SOFTEST`` times the axial stiffness to that of steel on steel under
-the press force with an edge as round as the part is wide (Hertz's law, base.py), and one of
-``RESTITUTIONS``. The base that ``simulate`` takes is tried from every start, any other from every
-fourth, in turn.
+If a device states no base, its *base* is left to chance, like phase and tilt at touch-down. It has
+one of ``LEVELS`` stiffnesses, from ``SOFTEST`` times the axial stiffness to that of steel on steel
+under the press force with an edge as round as the part is wide (Hertz's law, base.py), and one of
+``RESTITUTIONS``. The base that ``simulate`` takes is tried from every start, each other base from
+every fourth, in turn.
 """
 
 import math
@@ -44,7 +44,7 @@ _STEEL = MATERIALS["steel"]
 
 
 def tilts_of(device: StatedDevice) -> list[float]:
-    """Return the tilts of the gripper that are tried, in rad: its own, and what may be left."""
+    """Return the gripper's tilts that are tried, in rad: its own, and the ends of its tolerance."""
     own = device.quantities.get(GRIPPER_TILT, 0.0)
     tolerance = device.tolerances.get(GRIPPER_TILT)
     if tolerance is not None:
@@ -76,14 +76,14 @@ def _approaching(approach: Approach, starts: Starts) -> Starts:
 
 
 def without_approach(case: Mapping[str, float]) -> dict[str, float]:
-    """Return a case of a device whose approach is stated."""
+    """Return a case without its approach, for a device that states one."""
     return {name: value for name, value in case.items() if name not in OF_APPROACH}
 
 
 def by_approach(
     device: StatedDevice, cases: Starts
 ) -> list[tuple[StatedDevice, NDArray[np.int64], Starts]]:
-    """Return (device, places, cases) for each approach of the cases, which are then without."""
+    """Return (device, places, cases) for each approach of the cases, which then have none."""
     keys = [tuple(case.get(name) for name in OF_APPROACH) for case in cases]
     found: list[tuple[StatedDevice, NDArray[np.int64], Starts]] = []
     for key in dict.fromkeys(keys):
@@ -107,9 +107,9 @@ def cases_of(
     bases: bool = False,
     varied: Collection[str] = (),
 ) -> Starts:
-    """Return the cases of a device: its starts, on the bases too if none is stated or ``bases``.
+    """Return the cases of a device: its starts; on bases, too, if it states none or ``bases``.
 
-    If the gripper's tilt is among the quantities that are ``varied``, the cases have none.
+    If the gripper's tilt is among the quantities that are ``varied``, the cases have no tilt.
     """
     if isinstance(device, Parameters):
         return starts_of(device, ensemble)
@@ -164,7 +164,7 @@ def on_bases(
 
 
 def at_tilts(devices: Batch, cases: Starts) -> dict[str, NDArray[np.float64]]:
-    """Return what the gripper's tilts of the cases change, shape (devices, cases); dimensionless.
+    """Return the parameters that the cases' tilts change, shape (devices, cases); dimensionless.
 
     The misalignment at the mouth stays. Empty if the cases have no tilts.
     """
@@ -177,9 +177,9 @@ def at_tilts(devices: Batch, cases: Starts) -> dict[str, NDArray[np.float64]]:
 
 
 def stated_case(device: Parameters | StatedDevice, case: Mapping[str, float]) -> dict[str, float]:
-    """Return what states a case of a device, in SI units or dimensionless as the device is.
+    """Return the values that state a case of a device, but for its approach.
 
-    All but its approach.
+    They are in SI units or dimensionless, as the device is.
     """
     if isinstance(device, Parameters):
         return dict(case)

@@ -26,7 +26,7 @@ class Cause(NamedTuple):
 
     Attributes:
         words: a sentence.
-        cures: parameters that cure it, the first first, each with the direction, 1 or -1.
+        cures: parameters that cure it, in the order to try, each with its direction, 1 or -1.
     """
 
     words: str
@@ -128,7 +128,7 @@ def way_of(run: Trajectory) -> float:
 
 
 def waits_in_vain(run: Trajectory) -> bool:
-    """Return if a run that has not aligned by the horizon would hardly do so by a longer one."""
+    """Return whether a longer horizon would hardly help a run that has not aligned."""
     late = run.outcome == Outcome.HORIZON_REACHED and math.isnan(run.tau_align)
     return late and (run.sticking_share >= STICKS or way_of(run) < _SOME_WAY)
 
@@ -136,7 +136,7 @@ def waits_in_vain(run: Trajectory) -> bool:
 def first_change(cause: Cause, nearest: Sequence[Nearest]) -> Mapping[str, float]:
     """Return the change of one parameter that makes a device reliable; empty if none does.
 
-    The first of the cause's cures, else of all parameters the one that has to change least.
+    It is the first of the cause's cures that does, else the parameter that has to change least.
     """
     found = {parameter_of(each.parameter): each for each in nearest}
     for name, direction in cause.cures:

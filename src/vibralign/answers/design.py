@@ -202,17 +202,18 @@ def design(
     """Return the recommended setting of a device, as ``vibralign design`` does.
 
     Args:
-        device: of a file, as ``simulate`` takes it; it states what is free, and its limits.
+        device: a device of a file, as ``simulate`` takes it, which states what is free and limits.
         settings: as for ``assess``.
         ensemble: as for ``assess``.
         cores: as for ``assess``.
-        generations: of the search.
-        population: settings a generation.
-        seed: of the search.
+        generations: number of generations of the search.
+        population: number of settings in a generation.
+        seed: seed of the search.
         devices: number of devices of a check, a power of two.
 
     Raises:
-        TypeError, ValueError: a dimensionless device; nothing is free, or no power of two.
+        TypeError: a dimensionless device.
+        ValueError: nothing is free, or ``devices`` is no power of two.
     """
     trials = trials_of(device, settings, ensemble, cores, seed, devices)
     return search(trials, generations, population)[0]
@@ -267,11 +268,11 @@ def search(
     """Return the best setting of a device, and the results of all quick trials.
 
     Args:
-        trials: of its settings; their seed is also that of the optimiser.
-        generations: of differential evolution.
-        population: settings a generation.
-        tell: called with the step under way, in words, and of how many it is one.
-        known: filled with the results; an interrupt leaves those so far in it.
+        trials: trials of its settings; their seed is also that of the optimiser.
+        generations: number of generations of differential evolution.
+        population: number of settings in a generation.
+        tell: called with the step under way and the number of steps, in words.
+        known: filled with the results, as they come: an interrupt keeps those so far.
     """
     free, limits = trials.stated.free, trials.stated.limits
     low, high = np.array(list(free.values())).T
@@ -315,8 +316,8 @@ def checked(
 ) -> Design:
     """Check the best settings until one holds; return the design.
 
-    If none of ``most`` holds, the design is the checked setting that fails least. ``rank`` is
-    least for the best settings among those that hold; the score by default.
+    If none of ``most`` holds, the design is the checked setting that fails least. Of the settings
+    that hold, those with the least ``rank`` are best; the rank is the score by default.
     """
     free, limits = trials.stated.free, trials.stated.limits
     keys, quick, checks = list(known), np.array(list(known.values())), dict[int, Check]()
@@ -346,8 +347,8 @@ def _expected(
 ) -> Floats:
     """Return what checks of settings are expected to find, for the choice of the next one.
 
-    Times, forces and tilts grow from the quick trial to the check as at the nearest checked
-    setting; near one at which devices fail as large a share fails.
+    Times, forces and tilts are expected to grow from the quick trial to the check as they did at
+    the nearest checked setting; near a setting at which devices fail, as large a share fails.
     """
     if not checks:
         return quick

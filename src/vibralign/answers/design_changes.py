@@ -1,9 +1,9 @@
 """Changes of what limits a design; each is tried.
 
-If no setting keeps the limits, each is left out, and the setting sought that needs least of it;
-else one that is near is widened by ``STEP``. A range is widened by ``STEP`` of its width beyond an
-end: the best settings are tried quickly with values of that quantity beyond it. A tolerance is
-halved. What is said of a change is what the check of its setting found.
+If no setting keeps the limits, each limit is left out in turn, and the setting that exceeds it
+least is sought; else a limit that is near is widened by ``STEP``. A range is widened by ``STEP`` of
+its width beyond an end: the best settings are tried quickly with values of that quantity beyond it.
+A tolerance is halved. The results of a change are those of the check of its setting.
 """
 
 from dataclasses import dataclass, replace
@@ -28,7 +28,7 @@ class Change:
         of: what is changed.
         value: value of the limit, end or width after the change, in SI units.
         design: the best setting with it, checked; other limits, ranges and tolerances hold.
-        better: True if the setting keeps the limits and has a better score than without.
+        better: True if the setting keeps the limits and has a better score than before the change.
     """
 
     of: Limiting

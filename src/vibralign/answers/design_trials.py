@@ -154,13 +154,13 @@ class Trials:
         return [tuple(float(each) for each in row) for row in zip(*columns, strict=True)]
 
     def most_runs(self, settings: int) -> int:
-        """Return how many runs trials of so many settings take at most, a check and its changes."""
+        """Return how many runs so many settings take at most, with a check and the changes."""
         quarter = -(-len(self.starts) // QUARTERS)
         quick = settings * (1 + POINTS + 2 * LINES) * quarter
         return 2 * (quick + self.devices * len(self.starts))
 
     def _of_vibrator(self, points: Floats) -> dict[str, Floats]:
-        """Return what settings take of the vibrator, shape (n,) each."""
+        """Return acceleration and stroke that settings need of the vibrator, shape (n,) each."""
         own = self.stated.quantities
         of = {n: np.full(len(points), own[n]) for n in ("amplitude", "frequency")}
         of |= dict(zip(self.stated.free, points.T, strict=True))
@@ -236,9 +236,9 @@ class Trials:
         return run_devices(stated, values, starts, self._statistical, self.cores)
 
     def _needs_vibration(self, values: Values, shape: tuple[int, int]) -> Floats:
-        """Return the shares of devices, shape (settings, devices), not in without vibration.
+        """Return for each setting the share of devices that do not align without vibration.
 
-        NaN unless a limit asks for them.
+        ``shape`` is (settings, devices). The shares are NaN unless a limit asks for them.
         """
         if "vibration" not in self.stated.limits:
             return np.full(shape[0], np.nan)

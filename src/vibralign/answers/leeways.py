@@ -266,7 +266,7 @@ def _divided(name: str, start: float, stop: float, count: int) -> list[float]:
 
 
 def _unbroken(device: Stated, is_reliable: IsReliable, ends: Sequence[_End]) -> list[_End]:
-    """Return the ends of scans, moved inwards until the values tried inwards hold."""
+    """Return the ends of scans, moved inwards until all values tried inside hold."""
     own, found = {each.parameter: each.value for each in ends}, list(ends)
     left = [i for i, end in enumerate(found) if end.other is not None]
     while left:
@@ -287,7 +287,7 @@ def _unbroken(device: Stated, is_reliable: IsReliable, ends: Sequence[_End]) -> 
 
 
 def _inwards(device: Stated, end: _End) -> list[float]:
-    """Return the values to try inwards from an end, it first, and the next one."""
+    """Return an end, the values to try inwards from it, and the value after these."""
     assert end.other is not None  # noqa: S101 - the caller's
     name, outwards = end.parameter, _way(end)
     row = _values(device, name, end.alike, -outwards * _FINEST_STEP, UNBROKEN)
@@ -320,10 +320,10 @@ def _leading(
     are_alike: IsReliable,
     judged: dict[tuple[str, float], bool],
 ) -> list[int]:
-    """Return how many leading values of each scan have the verdict of the device, its own first.
+    """Return how many leading values of each scan, its own first, have the device's verdict.
 
-    Verdicts are added to ``judged``; values that have one are not tried again, nor any beyond the
-    few among which the verdict changes.
+    Verdicts are added to ``judged``; values that have one are not tried again. A scan ends with the
+    few values among which the verdict changes.
     """
     some, known = {name: own[name] for name in names}, [1] * len(scans)
     for begin in range(1, max(map(len, scans), default=0), AT_ONCE):

@@ -46,7 +46,7 @@ def wall_words(
     if settings.shape != "round" or tilt <= steepest:
         return []
     limit = in_words(steepest, ANGLE, units)
-    words = f"beyond a tilt of {limit} a round rim meets the hole's wall at two points, here at one"
+    words = f"beyond a tilt of {limit} a round rim meets the wall at two points, modelled as one"
     return [f"{'not modelled':<16}{words}"]
 
 

@@ -107,9 +107,9 @@ def in_every_case(
     ensemble: Ensemble,
     cores: int = 1,
 ) -> xr.Dataset:
-    """Return a map of a device whose reliable nodes are so in every case that ``assess`` tries.
+    """Return a map whose reliable nodes are reliable in every case that ``assess`` tries.
 
-    A map tries one approach and one base. Nodes that hold there are tried with all others.
+    A map tries one approach and one base. Nodes that are reliable there are tried with all others.
     """
     if not isinstance(device, StatedDevice) or "reliable" not in found:
         return found

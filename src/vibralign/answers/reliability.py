@@ -52,9 +52,9 @@ class DeviceResults(Value):
         failing: index of the first case that fails, -1 if none does, shape (n,).
         forces: largest contact force in N by the place, each of shape (n,).
         inside: True if the part starts inside the hole, shape (n,).
-        insertion: longest time until inserted in s, NaN as ``time`` or without, shape (n,).
+        insertion: longest time until inserted in s, NaN where it is never inserted, shape (n,).
         impossible: True if there is no such device (no play, a negative friction …): it does not go
-            in, and has no numbers, shape (n,).
+            in, and its numbers are NaN, shape (n,).
     """
 
     values: Values
@@ -170,7 +170,7 @@ def run_devices(
 
 
 def can_be(stated: StatedDevice, values: Values) -> NDArray[np.bool_]:
-    """Return where there is a device with these quantities, shape (n,): with play, at the hole."""
+    """Return where a device with these quantities has play and starts at the hole, shape (n,)."""
     given: dict[str, Any] = {**stated.values, **stated.quantities, **values}
     admitted = np.ones(len(next(iter(values.values()))), np.bool_)
     for name, column in values.items():
@@ -220,8 +220,8 @@ def are_reliable(
 def in_turn(starts: Starts) -> Starts:
     """Return the cases in the order in which to try them: in turn the next, and one far from it.
 
-    A device that fails does so in cases that are alike, or in those in which another one fails,
-    which come first if they are known.
+    A failing device fails in cases that are alike, or in those in which other devices fail; these
+    come first if they are known.
     """
     count = len(starts)
     spread = np.argsort(np.argsort(np.arange(count) * _SPREAD % 1.0)).tolist()
@@ -236,7 +236,7 @@ def are_late(
     settings: Settings,
     cores: int = 1,
 ) -> NDArray[np.bool_]:
-    """Return a mask of the devices that fail at most by the horizon, shape (n,).
+    """Return a mask of the devices that fail, if at all, only by the horizon, shape (n,).
 
     A longer horizon may let them go in.
     """
@@ -255,7 +255,7 @@ def reliable_at(
     """Return where a device goes in in every case, shape (n,), as ``assess`` says.
 
     Args:
-        device: as ``simulate`` takes it; or a list of n devices, of which nothing varies.
+        device: as ``simulate`` takes it; or a list of n devices, without ``quantities``.
         settings: settings of the runs; None for the defaults, in the insertion scene.
         cores: number of threads.
         **quantities: what varies together, each of shape (n,), such as

@@ -75,10 +75,8 @@ def sheet_rows(
     rows += more
     if stated is not None:
         rows.append(("not stated", _not_stated(result, stated)))
-    words = (
-        f"computed to a local error of {settings.tolerance:g} a step; how far the model is from "
-    )
-    return [*rows, ("numbers", f"{words}the device is in none of them")]
+    words = f"computed to a local error of {settings.tolerance:g} a step; the error of the model "
+    return [*rows, ("numbers", f"{words}itself is not included")]
 
 
 def part_words(stated: StatedDevice) -> str:
@@ -250,7 +248,7 @@ def _not_stated(result: "Assessment", stated: StatedDevice) -> str:
     spread = {name: _spread(each) for name, each in tried.items()}
     first = max(spread, key=lambda name: spread[name])
     turns = "turns the verdict" if spread[first][0] > 0.0 else "changes the force most"
-    return f"{words}; state {first} first, which {turns}"
+    return f"{words}; state {first} first: this {turns}"
 
 
 def _spread(verdicts: Sequence[Verdict]) -> tuple[float, float]:

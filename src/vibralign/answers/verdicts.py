@@ -73,9 +73,10 @@ class Verdict(NamedTuple):
 def verdicts_on(
     each_of: Sequence[Any], cases: Starts, results: Mapping[str, NDArray[Any]]
 ) -> tuple[Verdict, ...]:
-    """Return a verdict on everything of which cases are; a case of None is in none of them.
+    """Return a verdict on each approach, base, tilt or shape that cases have in common.
 
-    ``results`` are those of one device by name, each of shape (cases,).
+    ``each_of`` has that of each case, or None: such a case counts in no verdict. ``results`` are
+    those of one device by name, each of shape (cases,).
     """
     bases = np.array([str([case.get(name) for name in OF_BASE]) for case in cases])
     verdicts = []

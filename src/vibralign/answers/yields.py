@@ -64,8 +64,8 @@ class Yield(Value):
         sobol_indices: of every quantity with a tolerance, the largest total index of failure first;
             empty if no device goes in.
         inside: number of devices drawn that start inside the hole, which are not counted.
-        impossible: number of devices drawn that cannot be (no play, a negative friction …), which
-            are counted as not going in.
+        impossible: number of devices drawn that are impossible (no play, a negative friction …);
+            they count as not going in.
         forces: largest contact force of these devices by the place.
         insertion: 5, 50 and 95 % quantiles over these of the longest time until inserted.
         confidence: level of confidence of the intervals.
@@ -143,8 +143,8 @@ def distribution(value: float, tolerance: Tolerance) -> Any:
 def from_unit_cube(stated: StatedDevice, points: Floats) -> dict[str, Floats]:
     """Return the quantities with tolerances at ``points`` of the unit cube, shape (n, d).
 
-    They have ``DIGITS`` digits in the unit in which they are stated, as they are printed. Of a
-    misalignment < 0 the other side is taken, which is alike.
+    They have ``DIGITS`` digits in the unit in which they are stated, as they are printed. The sign
+    of a misalignment is dropped: both sides of the hole are alike.
     """
     found = {}
     for (name, tolerance), column in zip(stated.tolerances.items(), points.T, strict=True):
@@ -185,9 +185,8 @@ def yield_of(
 ) -> tuple[Yield, DeviceResults]:
     """Return the yield of a device with tolerances, and the results of the drawn devices.
 
-    The starts, on every base if none is stated, are those of the study by default; the settings the
-    defaults in the insertion scene.
-    Without ``indices`` no Sobol' indices are computed.
+    By default, ``starts`` are those of the study, on every base if none is stated, and ``settings``
+    are the defaults in the insertion scene. Without ``indices`` no Sobol' indices are computed.
 
     Raises:
         ValueError: a device without tolerances, or a number that is no power of two.
@@ -245,7 +244,7 @@ def nearest_failing(
 ) -> FailingDevice | None:
     """Return the failing device that is nearest to the stated values, None if none fails.
 
-    Those that cannot be are left out.
+    Impossible devices are left out.
     """
     results = results[~results.impossible]
     if results.goes_in.all():

@@ -39,8 +39,8 @@ def add_model_options(
     """
     parser.appendix = lambda: parameter_table(baseline())
     add = parser.add_argument
-    words = "the device, its quantities in SI units or with units as in docs/peg.yaml; --set and "
-    words += "--horizon are then read in the same way (12 N, 0.8 mm); answers are in SI units"
+    words = "file of the device, with numbers in SI units or with units as in docs/peg.yaml; --set "
+    words += "and --horizon are then read in the same way (12 N, 0.8 mm); answers are in SI units"
     add("--device", type=Path, metavar="FILE", help=words)
     if dimensionless:
         words = "print dimensionless values for a device in SI units, too"
@@ -53,17 +53,15 @@ def add_model_options(
     words = f"variant of one equation, consistent or printed; may be repeated: {names}"
     metavar = "NAME=READING"
     add("--reading", action="append", default=[], metavar=metavar, dest="switches", help=words)
-    words = "start without --device: press and vibration set in together; the part rests under a "
-    words += "slow press before it vibrates; or it is lowered, vibrating (running) or not (still), "
-    words += "at its approach_speed (default: simultaneous). A device states approach_speed and "
-    words += "vibrator, or --set does"
+    words = "start without --device: press and vibration set in together (simultaneous, the "
+    words += "default); the part rests under a slow press, then is vibrated (pressed); or it is "
+    words += "lowered at approach_speed, vibrating (running) or not (still). With --device, state "
+    words += "approach_speed and vibrator in the file or by --set"
     add("--start", choices=get_args(Start), help=words)
-    words = (
-        "round part in a round hole, or a square one beside a slot as in the paper (default: as "
-    )
-    words += "in the device's file, round where it states none; square without --device)"
+    words = "round part in a round hole, or square part beside a slot, as in the paper (default: "
+    words += "as the device's file states, round if it states none; square without --device)"
     add("--shape", choices=get_args(Shape), help=words)
-    words = "end of a run: alignment, or insertion, jamming or climbing out after it "
+    words = "how far a run is followed: to alignment, or to insertion, jamming or climbing out "
     words += f"(default: {scene})"
     add("--scene", choices=list(SCENES), help=words)
     parser.set_defaults(usual_scene=scene)
@@ -73,7 +71,7 @@ def add_model_options(
     words = "latest time until alignment, and as long again until insertion; in seconds with "
     words += "--device, else in units of 1/p (default: 300/p)"
     add("--horizon", metavar="H", help=words)
-    add("--tolerance", metavar="T", help="local error of a step (default: 1e-10)")
+    add("--tolerance", metavar="T", help="largest local error of a step (default: 1e-10)")
 
 
 def announce_compilation() -> None:
@@ -221,5 +219,6 @@ def parameter_table(device: Parameters) -> str:
     lines = ["parameters that --set takes, each a finite number:", *in_columns(rows)]
     others = [name for name in QUANTITIES if name not in FIELDS or name in MOUTH]
     units = [(name, unit_of(name), quantity_of(name)[0]) for name in others]
-    lines += ["what a file for --device states besides, or otherwise:", *in_columns(units)]
+    lines += ["further quantities of a device file, or other ways to state the same ones:"]
+    lines += in_columns(units)
     return "\n".join(lines) + "\n"

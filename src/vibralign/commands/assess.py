@@ -53,29 +53,26 @@ def add(commands: Any) -> None:
         _assess,
         "assess the reliability and speed of a device, its leeways and its yield",
         ". A reliable device goes in (or aligns, with --scene alignment) from every phase of the "
-        "excitation and initial tilt that the study tries; if its file states no base, on bases of "
-        "100 times its axial stiffness up to that of steel as well. Each parameter is varied, the "
-        "others held, by up to a factor of four or until the device is not reliable. If the file "
-        "states tolerances, devices are drawn within them: their yield, and what is to blame for "
-        "failures. If it states ranges of what is unknown: for which share of what is possible it "
-        "is reliable, what decides, and what to measure.",
-        epilog="exit code: 0 the device was assessed; 1 the yield of --require is not met, or a "
-        "limit of the file is exceeded with it; "
-        "2 bad input",
+        "excitation and initial tilt tried; if its file states no base, also on every base tried, "
+        "from 100 times its axial stiffness up to steel. Each parameter is varied, the others "
+        "held, by up to a factor of four or until the device is not reliable. If the file states "
+        "tolerances, devices are drawn within them: assess prints their yield, and what is to "
+        "blame for failures. If it states ranges of unknown quantities, assess prints for which "
+        "share of what is possible the device is reliable, what decides, and what to measure.",
+        epilog="exit code: 0 the device was assessed; 1 with --require, the yield is too low or a "
+        "limit of the file is exceeded; 2 bad input",
     )
     add = parser.add_argument
     add("--bases", action="store_true", help="try the span of bases even if the base is stated")
-    words = (
-        "exit with 1 unless the yield, or the share of what is possible, is at least this, with "
-    )
-    words += "95 %% confidence"
+    words = "exit with 1 unless, with 95 %% confidence, the yield is at least this, or the share "
+    words += "of what is possible"
     add("--require", metavar="YIELD", help=words)
     words = "devices drawn within the tolerances, a power of two (default: 4096)"
     add("--devices", metavar="N", default="4096", help=words)
     words = "print below the sheet each approach, base and tilt, all leeways, and what is assumed"
     add("--details", action="store_true", help=words)
-    words = "draw into FILE what goes in, over the two quantities that decide, with the device; or "
-    words += "the verdict over those that are unknown"
+    words = "draw a map into FILE: what goes in, over the two quantities that decide the verdict; "
+    words += "or the verdict, over the unknown quantities that decide most"
     add("--plot", type=Path, metavar="FILE", help=words)
     words = "write the device sheet FILE (.html): numbers, verdict, map, run; prints on A4"
     add("--sheet", type=Path, metavar="FILE", help=words)
@@ -179,7 +176,7 @@ def _check_paths(arguments: argparse.Namespace) -> None:
 
 
 def _words_of(required: float | None, drawn: "Yield", *, kept: bool) -> str:
-    """Return if the yield of --require is met, and why not; empty without."""
+    """Return whether the yield of --require is met, and why not; empty without --require."""
     if required is None:
         return ""
     faults = ["the yield is too low"] * (drawn.low < required) + ["a limit is exceeded"] * (

@@ -31,8 +31,8 @@ def add(commands: Any) -> None:
         ". The device file has their ranges (unknown: {friction: 0.1 to 0.35}). The table of "
         "trials, as a spreadsheet saves it, has a column for each quantity that was set, and "
         "`result`: the alignment time (91.6 ms, or 91.6 ± 5 ms), fails, fails after 2 s, or > 500 "
-        "ms if it was stopped. First it says if the model fits the trials at all. Interrupting it "
-        "gives what there is.",
+        "ms if it was stopped. First, calibrate says whether the model fits the trials at all. An "
+        "interrupt prints the results so far.",
         epilog="exit code: 0 the trials tell something; 1 the model does not fit, or the sample is "
         "too small to conclude; 2 bad input",
     )
@@ -40,9 +40,9 @@ def add(commands: Any) -> None:
     add("--trials", type=Path, required=True, metavar="FILE", help="table of trials (.csv)")
     words = "device file to write (.yaml), with samples beside it (.nc): assess and design read it"
     add("--out", type=Path, metavar="FILE", help=words)
-    words = "draw what is possible before and after, and the times, into FILE"
+    words = "draw into FILE what is possible before and after the trials, and their times"
     add("--plot", type=Path, metavar="FILE", help=words)
-    words = "do not seek the trial to make next, which takes some as many runs again"
+    words = "do not seek the trial to make next; seeking it takes about as many runs again"
     add("--no-next", action="store_true", help=words)
     add_model_options(parser, scene="insertion")
     add_json(parser)
@@ -105,33 +105,33 @@ def _calibrate(arguments: argparse.Namespace) -> int:
 
 
 def report(found: "Calibration") -> list[str]:
-    """Return the lines on the fit and the posterior; of a model that does not fit, no posterior."""
+    """Return the lines on the fit and, if the model fits, on the posterior."""
     from vibralign.known.fit import LEAST  # noqa: PLC0415  (scipy)
 
     fit, device = found.fit, found.device
-    share = f"trials of the model are as far out with {100.0 * fit.share:.2g} %"
+    share = f"trials of the model are as far out with a probability of {100.0 * fit.share:.2g} %"
     words = f"the model fits the trials: {share}"
     if not fit.fits:
         words = f"THE MODEL DOES NOT FIT THESE TRIALS: {share} (less than {100.0 * LEAST:.2g} %)"
     lines = [_line("fit", words), _line("device", device.source)]
-    chance = f"evidence 10^{fit.odds:.1f} of that of the chance that fits them best"
-    lines.append(_line("trials", f"{len(found.trials)}, {chance}"))
+    chance = f"the evidence for the model is 10^{fit.odds:.1f} times that for chance"
+    lines.append(_line("trials", f"{len(found.trials)}; {chance}"))
     for number in fit.outside:
         share = f"{100.0 * fit.predicted[number]:.2g} %"
-        text = f"{found.trials[number].words}: the others give it {share}"
+        text = f"{found.trials[number].words}: the other trials give it a probability of {share}"
         lines.append(_line("  outside", text))
     lines += [_line("  note", each) for each in found.notes]
     if not fit.fits:
-        words = "widen the ranges, look at the trials above, or at what the model does not know"
-        return [*lines, _line("so", f"nothing is known from these trials: {words}")]
+        words = "widen the ranges, check the trials above, or look for what the model leaves out"
+        return [*lines, _line("so", f"nothing can be concluded: {words}")]
     effective = found.samples.effective
     words = f"effective sample size {effective:.0f} of {len(found.samples.z)} sets"
     if not found.concludes:
-        words += ": too small to conclude; narrow the ranges, or free the times of small errors"
+        words += ": too small to conclude; narrow the ranges, or state larger errors of the times"
         lines.append(_line("posterior", words))
         return lines
     lines.append(_line("posterior", f"{words}, {found.seconds:.0f} core-seconds"))
-    lines.append("unknown, range before; 5, 50 and 95 % after, and the width left of the range:")
+    lines.append("unknown; its range; 5, 50, 95 % after the trials; share of the range left:")
     rows = []
     for name, (low, middle, high) in found.intervals().items():
         ends = device.unknown[name]
@@ -150,9 +150,8 @@ def next_lines(after: "Next", found: "Calibration") -> list[str]:
     words = f"reliable for {100.0 * after.share:.3g} % of what is possible, a doubt of "
     lines = [_line("intended", at), _line("verdict", f"{words}{after.doubt:.2f} bits")]
     if after.knowing_adds == after.knowing_adds:  # no NaN
-        lines.append(
-            _line("knowing", f"everything would add {100.0 * after.knowing_adds:.2g} % to it")
-        )
+        words = f"everything would add {100.0 * after.knowing_adds:.2g} % to this share"
+        lines.append(_line("knowing", words))
     if not after.is_worth_it:
         return [*lines, _line("next", "no trial is worth making")]
     lines.append("next, and the doubt that it takes away:")

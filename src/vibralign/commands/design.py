@@ -54,15 +54,15 @@ def add(commands: Any) -> None:
         "choose the free quantities of a device for the largest margin, then time",
         ". The device file names what is free (free: {press_force: 5 to 20 N}) and the limits "
         "(limits: {contact_force: 60 N, time: 0.2 s, tilt: 10 deg, vibration: needed}, or not "
-        "needed; time and tilt until alignment, the force until inserted; acceleration: 10 g and "
-        "stroke: 2 mm of the vibrator). Each setting is tried quickly. Of the settings with "
-        "which all devices within the tolerances go in, the best is the one whose nearest failure "
-        "is farthest, then the fastest. It is checked as `vibralign assess` checks it; if it does "
-        "not hold, the next best is. What limits it is then changed and tried, with as many runs "
-        "again at most; an interrupt ends this part only. Interrupting the search prints the best "
-        "setting found so far, not checked, and writes nothing. If the file states ranges of what "
-        "is unknown: the setting that is reliable for most of what is possible, then the fastest, "
-        "and what knowing everything would add.",
+        "needed; acceleration: 10 g and stroke: 2 mm limit the vibrator). Time and tilt count "
+        "until alignment, the force until inserted. Each setting is tried quickly. Of the settings "
+        "with which all devices within the tolerances go in, the best is the one whose nearest "
+        "failure is farthest, then the fastest. It is checked as `vibralign assess` checks it; if "
+        "it does not hold, the next best is checked. Then whatever limits it is changed and tried, "
+        "with at most as many runs again; an interrupt ends only this part. An interrupt of the "
+        "search prints the best setting so far, not checked, and writes nothing. If the file has "
+        "ranges of unknown quantities, design prints the setting that is reliable for most of what "
+        "is possible (of these the fastest), and what knowing everything would add.",
         epilog="exit code: 0 a setting keeps the limits; 1 none of those tried does; 2 bad input",
     )
     add_model_options(parser, scene="insertion")
@@ -107,7 +107,7 @@ def _design(arguments: argparse.Namespace) -> int:
         print(f"vibralign: {_forecast(trials, generations, population)}", file=sys.stderr)
         with ProgressLine() as line:
             design, _ = search(trials, generations, population, line.begin, known)
-            line.begin("recommended setting, as assess has it")
+            line.begin("assessing the recommended setting")
             answer = Answer(design, trials, _assessed(design, trials, given))
     except KeyboardInterrupt:
         print(f"vibralign: {so_far(trials, known)}", file=sys.stderr)
@@ -141,8 +141,8 @@ def _forecast(trials: "Trials", generations: int, population: int) -> str:
     minutes = most / rate / 60.0
     words = f"some {minutes:.0f} minutes" if minutes >= 1.0 else "less than a minute"
     return (
-        f"at most {most:,} runs, {words} at the {rate:,.0f} runs a second of the first ones here; "
-        "fewer with --population, --generations and --devices, or a stated base"
+        f"at most {most:,} runs: {words}, since the first ran at {rate:,.0f} a second; fewer with "
+        "smaller --population, --generations and --devices, or with a stated base"
     )
 
 

@@ -90,9 +90,9 @@ def report(answer: Answer) -> list[str]:
         share, asked = tried.measures["vibration"][best], _asked(design.limits["vibration"])
         words = f"needed by {100.0 * share:.3g} % of the devices within the tolerances"
         lines.append(_line("vibration", f"{words} (limit: {asked})"))
-    words = f"{tried.share.size} settings, quickly; {len(design.checks)} as assess checks them"
+    words = f"{tried.share.size} settings quickly, {len(design.checks)} as assess checks them"
     if design.check is not None:
-        words += f", this one by {design.check.devices:,} devices"
+        words += f", this one with {design.check.devices:,} devices"
     return [*lines, _line("tried", words)]
 
 
@@ -160,7 +160,7 @@ def limiting_lines(answer: Answer, changes: Changes) -> list[str]:
     if not answer.design.tried.share[answer.design.best] > 0.0:
         rows.insert(0, ("the device itself", "as stated it does not go in"))
     if not rows:
-        return [_line("what limits it", "nothing: it lies inside")]
+        return [_line("what limits it", "nothing: no limit and no end of a range is near")]
     return ["what limits it, and what a change gives:", *in_columns(rows)]
 
 

@@ -28,7 +28,7 @@ def verdict_lines(
     hops = f"{fewest} to {most}" if fewest != most else str(fewest)
     if most:
         speed = si.in_words(result.impact_speed, SPEED, units)
-        landed = f"touches down at up to {speed}" if result.impact_speed else "touches down no more"
+        landed = f"touches down at up to {speed}" if result.impact_speed else "never lands again"
         hops = f"{hops}; {landed}"
     lines = [_line("lift-offs", hops)]
     if result.forces:
@@ -81,9 +81,9 @@ def _stiff_bases(result: "Assessment", units: Units | None) -> str:
         for each in (result.rigid_from, result.decided_from)
     )
     if rigid:
-        return f"neither verdict nor time changes {rigid} (2 %)"
+        return f"neither the verdict nor the time (within 2 %) changes {rigid}"
     if decided is None:
-        return "the verdict still changes at the stiffest"
+        return "the verdict still changes at the stiffest base tried"
     return (
         f"the verdict does not change {decided}; the time changes by "
         f"{100.0 * result.last_change:.2g} % over the last step of stiffness"
@@ -94,20 +94,20 @@ def leeway_lines(result: "Assessment") -> list[str]:
     """Return lines on the leeways of a device, or on the nearest values that make it reliable."""
     ranges, lines = list(result.leeways), []
     if result.worst is not None and (ranges or result.tilt_range or result.nearest):
-        word = "on which most cases fail" if result.failing_start is not None else "that is slowest"
+        word = "that fails most often" if result.failing_start is not None else "that is slowest"
         lines.append(f"with the approach {word} ({result.worst}):")
     if result.failing_start is not None and result.nearest:
-        lines.append("reliable instead, one parameter at a time, with")
+        lines.append("becomes reliable if one parameter is changed, to:")
         lines += in_columns([_nearest_row(each, result) for each in result.nearest])
     elif result.failing_start is not None:
         words = "no single parameter makes it reliable within a factor of four"
         lines.append(words if result.change else f"{words}, nor do two of those tried")
     if result.tilt_range is not None:
-        lines.append("goes in while the gripper holds it with one tilt (ends known to 0.005°),")
+        lines.append("goes in with any one tilt of the gripper in this range (known to 0.005°):")
         lines += in_columns([_leeway_row(result.tilt_range, result)])
         ranges.append(result.tilt_range)
     if result.leeways:
-        lines.append("stays reliable while, one parameter at a time (ends known to 0.4 %),")
+        lines.append("stays reliable in these ranges, one parameter at a time (known to 0.4 %):")
         lines += in_columns([_leeway_row(each, result) for each in result.leeways])
     if any(each.ragged_below or each.ragged_above for each in ranges):
         lines.append("  ragged: values that fail lie among values that hold; keep well inside")
@@ -124,7 +124,7 @@ def _leeway_row(leeway: "Leeway", result: "Assessment") -> tuple[str, ...]:
         said = f"{word} {words(value)}"
         if fails is None:
             return f"{said} or {further}"
-        notes = ["by the horizon"] * late + [f"ragged: {words(fails)} fails"] * ragged
+        notes = ["too slow beyond"] * late + [f"ragged: {words(fails)} fails"] * ragged
         return f"{said} ({', '.join(notes)})" if notes else said
 
     low = end("from", leeway.low, leeway.fails_below, "less",

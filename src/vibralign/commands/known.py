@@ -27,8 +27,8 @@ def refuse_options(arguments: argparse.Namespace, command: str, *names: str) -> 
         if getattr(arguments, name, None):
             option = f"--{name.replace('_', '-')}"
             raise ValueError(
-                f"{option}: {command} does not have it while quantities are unknown: give each "
-                "of them with --set, or leave it out"
+                f"{option}: {command} does not take it while quantities are unknown: give each "
+                f"of these with --set, or leave out {option}"
             )
 
 
@@ -127,14 +127,14 @@ def possible_lines(found: "Possible", device: "StatedDevice") -> list[str]:
 
         times = si_list(np.quantile(longest, (0.05, 0.5, 0.95)).tolist(), TIME)
         lines.append(
-            _line("alignment time", f"at the longest {times} (5, 50, 95 % of reliable sets)")
+            _line("longest time", f"{times} until aligned (5, 50, 95 % of the reliable sets)")
         )
     if "vibration" in device.limits:
         lines.append(_line("not checked", "the limit of vibration, over what is possible"))
     if 0.0 < found.share < 1.0:
         lines.append(
-            "what decides (first-order share of the verdict's variance, 90 % interval), and what "
-            "measuring it to a tenth of its range takes of the doubt:"
+            "what decides (first-order share of the verdict's variance, 90 % interval), and how "
+            "much of the doubt goes if it is measured to a tenth of its range:"
         )
         rows = [
             (each.name, f"{each.share:.2f} ({each.low:.2f} to {each.high:.2f})",
@@ -150,7 +150,7 @@ def _borders(each: "Unknown", device: "StatedDevice") -> str:
     for side, value, verdict in each.borders:
         known = "reliable" if verdict else "not reliable"
         words.append(f"{side} {written_words(each.name, value, device)} {known}")
-    return f"{'; '.join(words)}, whatever the rest is" if words else ""
+    return f"{'; '.join(words)}, whatever the other unknowns are" if words else ""
 
 
 def _record(found: "Possible") -> dict[str, Any]:

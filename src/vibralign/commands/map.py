@@ -55,8 +55,8 @@ def add(commands: Any) -> None:
         "map outcome, duration and reliability of a device over two parameters",
         ". Every node of a grid is computed. A reliable device "
         "goes in (or aligns, with --scene alignment) from every phase of the excitation and "
-        "initial tilt that the study tries, which are tried at every few nodes. With "
-        "--device, the ranges of --x and --y and the map are in SI units, else dimensionless.",
+        "initial tilt tried; they are tried at every few nodes only. With --device, the map and "
+        "the ranges of --x and --y are in SI units, else dimensionless.",
         epilog="exit code: 0 the map was made; 1 it could not be written; 2 bad input",
     )
     add = parser.add_argument

@@ -30,7 +30,7 @@ def _new(arguments: argparse.Namespace) -> int:
     path, source = arguments.file, arguments.source
     check_file(path, "new", ["yaml", "yml"])
     if path.exists():
-        raise ValueError(f"new {path}: is there already: choose another name, or delete it")
+        raise ValueError(f"new {path}: exists already: choose another name, or delete it")
     if source is not None:
         load_device(source)
         content = source.read_bytes()

@@ -82,7 +82,7 @@ def _simulate(arguments: argparse.Namespace) -> int:
         lines.append(f"without vibration: {unvibrated_words(parameters, settings)}")
         lines += lines_of(assumed)
         if units and arguments.dimensionless:
-            one = f"one is {units.time:.4g} s, {units.amplitude:.4g} m, {units.force:.4g} N"
+            one = f"units: {units.time:.4g} s, {units.amplitude:.4g} m, {units.force:.4g} N"
             lines += ["", "dimensionless:", *_report(run, None, settings, into)[1:], one]
         print("\n".join(lines))
     in_units = None if arguments.dimensionless else units
@@ -127,7 +127,7 @@ def _within(value: float, error: float) -> str:
     return f"{value:.{places}f} ± {error:.1g}"
 
 
-_INTO = ": --scene insertion for those in the hole"
+_INTO = "; --scene insertion gives those in the hole"
 
 
 def _report(run: Trajectory, units: Units | None, settings: Settings, into: str) -> list[str]:
@@ -141,7 +141,7 @@ def _report(run: Trajectory, units: Units | None, settings: Settings, into: str)
         from vibralign.answers.causes import waits_in_vain, way_of  # noqa: PLC0415  (of failures only)
 
         words = f"it has come {rounded(100.0 * max(way_of(run), 0.0), 2)} % of the way and sticks "
-        words += f"{100.0 * run.sticking_share:.3g} % of the time, a longer horizon does not help: "
+        words += f"{100.0 * run.sticking_share:.3g} % of the time: a longer horizon does not help; "
         words += "change friction, press_force, amplitude or tilt_stiffness"
         rows.append(("what to do", words if waits_in_vain(run) else run.remedy))
     duration = "none: it does not align"

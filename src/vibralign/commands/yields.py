@@ -43,17 +43,17 @@ def yield_rows(
     words += "devices within the tolerances go in from every touch-down"
     rows = [("yield", words + ("" if stated.base_is_stated else ", on every base"))]
     if drawn.inside:
-        words = f"{drawn.inside} more start inside the hole, and are not counted"
-        rows.append(("inside", f"{words}: the method does nothing for them"))
+        words = f"{drawn.inside} more start inside the hole and are not counted"
+        rows.append(("inside", f"{words}: they need no alignment"))
     if drawn.impossible:
-        words = f"{drawn.impossible} of these cannot be (no play, a negative friction or the like):"
-        rows.append(("impossible", f"{words} counted as not going in"))
+        words = f"{drawn.impossible} of these are impossible (no play, a negative friction or the "
+        rows.append(("impossible", f"{words}like) and count as not going in"))
     if required:
         rows.append(("required", required))
     if drawn.blame:
         rows.append(("to blame", drawn.blame))
     if result.failing_start is None and failing is not None:
-        words = f"{si.named_words(failing.quantities, stated)}: with deviations of "
+        words = f"{si.named_words(failing.quantities, stated)}: deviations of up to "
         rows.append(("fails nearest", f"{words}{100.0 * failing.distance:.3g} % of the tolerances"))
     return rows
 
@@ -84,7 +84,7 @@ def yield_lines(
         rows += [(e.quantity, *map(_share, (e.failure, e.time))) for e in drawn.sobol_indices]
         lines += in_columns(rows)
     if failing is not None:
-        lines += ["the nearest that fails:", f"  {_command(failing, stated, settings)}"]
+        lines += ["nearest failing device:", f"  {_command(failing, stated, settings)}"]
     return lines
 
 

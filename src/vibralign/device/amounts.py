@@ -2,8 +2,8 @@
 
 A bare number is in SI units. ``±`` (or ``+-``) states the half-width of a uniform distribution,
 ``σ`` (or ``sigma``) the standard deviation of a normal one. A tolerance in per cent is a share of
-the value. pint reads the units, ``spelling`` what engineers write otherwise; frequencies may also
-be in revolutions or radians per time. An amplitude is the peak of the vibration; it may be stated
+the value. pint reads the units, after ``spelling`` has replaced what it does not know; frequencies
+may be in revolutions or radians per time. An amplitude is the peak of the vibration, also stated
 from peak to peak, as rms, or as the velocity or acceleration (5 g) that it has at the frequency.
 """
 
@@ -85,8 +85,8 @@ def read_amount(name: str, given: object, unit: str, frequency: float | None = N
             middle, half = f"{0.5 * (low + high):.6g}", f"{0.5 * (high - low):.6g}"
             raise reader.refusal(
                 f"is a range; state one value, or {f'{middle} ± {half} {unit}'.removesuffix(' 1')} "
-                "if it varies from part to part; if nobody has measured it, put it below unknown: "
-                f"with the line `unknown: {{{name}: {given}}}`, if it may be chosen below free:"
+                "if it varies from part to part; if nobody has measured it, write "
+                f"`unknown: {{{name}: {given}}}`; if it may be chosen, put it below `free:`"
             )
         return reader.amount(value)
     sign, width = spread
@@ -185,7 +185,7 @@ def _rule(unit: str) -> str:
 
 
 def _bare(name: str, given: object, unit: str) -> float:
-    """Return what is no text as a number."""
+    """Return a value that is not a text as a number."""
     if given is None:
         raise ValueError(f"{name} is not filled in: {_rule(unit)}")
     if isinstance(given, np.ndarray) and not given.ndim and not np.ma.is_masked(given):
@@ -198,7 +198,7 @@ def _bare(name: str, given: object, unit: str) -> float:
 
 
 def _check_play(name: str, given: object, value: float) -> None:
-    """Refuse a clearance, or an end of its range, with which the hole is not the wider."""
+    """Refuse a clearance, or an end of its range, that leaves the hole no wider than the part."""
     if name in ("clearance", "play") and value <= 0.0:
         raise ValueError(
             f"{name} = {given!r}: no play or an interference (a transition fit) is not modelled: "
@@ -250,7 +250,7 @@ class _Reader:
         return ValueError(f"{self.name} = {self.given!r}: {words}")
 
     def amount(self, text: str, usual: str = "") -> Amount:
-        """Return the amount of a number with or without a unit; ``usual`` is that without."""
+        """Return the amount of a number; ``usual`` is the unit of one that states none."""
         match = _AMOUNT.fullmatch(text)
         if match is None:
             raise self.refusal(_rule(self.unit))

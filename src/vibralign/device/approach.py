@@ -20,7 +20,7 @@ USUAL = 0.01  # m/s, at which one run is made, and at which a still holder is lo
 
 
 class Approach(NamedTuple):
-    """Approach of a holder: state of the vibrator, and the speed in m/s; None: as it varies."""
+    """Approach of a holder: state of the vibrator, and the speed in m/s, None if it varies."""
 
     vibrator: Vibrator
     speed: float | None
@@ -49,7 +49,7 @@ def approaches_to_try(
 
 
 def with_changes(stated: Mapping[str, Any], changes: Mapping[str, object]) -> dict[str, Any]:
-    """Return what states a start, with changes: one that becomes sudden has no vibrator."""
+    """Return the entries that state a start, changed: a start made sudden loses its vibrator."""
     left = {"vibrator"} if changes.get(SPEED) == SUDDEN else set()
     return {name: each for name, each in stated.items() if name not in left} | dict(changes)
 

@@ -24,7 +24,7 @@ Values = Mapping[str, NDArray[np.float64]]
 def devices_of(stated: Parameters | StatedDevice, values: Values) -> tuple[Batch, list[Units]]:
     """Return parameters of the devices with these quantities, and units of those in SI units.
 
-    A value that is the device's own is no change: what is computed from others still is.
+    A value that equals the device's own is no change: if it was computed from others, it still is.
 
     Raises:
         ValueError: a quantity outside its rule, or the speed of a sudden start.

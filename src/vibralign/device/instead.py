@@ -21,7 +21,7 @@ class Instead(NamedTuple):
         parameter: name of the parameter.
         description: meaning in a few words.
         quantity: physical quantity.
-        needs: quantities from which the parameter is computed besides.
+        needs: further quantities from which the parameter is computed.
         value: the parameter from the quantity and these, in SI units; numbers or arrays.
         bound: admissible range.
     """
@@ -124,9 +124,9 @@ def with_parameters(quantities: Mapping[str, float]) -> dict[str, float]:
 
 
 def replaced_by(changes: Iterable[str]) -> set[str]:
-    """Return the quantities of a file that do not hold where those in ``changes`` are changed.
+    """Return the quantities of a file that no longer hold if those in ``changes`` are changed.
 
-    They state the same, or are what a parameter among the changes would be computed from.
+    They state the same as a change, or a changed parameter would be computed from them.
     """
     names = set[str]()
     for each in changes:

@@ -42,5 +42,5 @@ def read_limits(given: Iterable[tuple[str, object]]) -> dict[str, float]:
 
 
 def of_vibrator(amplitude: Any, frequency: Any) -> dict[str, Any]:
-    """Return what a vibration (peak in m, Hz) takes of the vibrator, by ``OF_VIBRATOR``."""
+    """Return what a vibration (peak in m, Hz) needs of the vibrator, by ``OF_VIBRATOR``."""
     return {"acceleration": amplitude * (math.tau * frequency) ** 2, "stroke": 2.0 * amplitude}

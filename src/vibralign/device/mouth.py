@@ -7,7 +7,7 @@ middle of the bottom face, and the springs are relaxed where the robot brings th
     x(0) = x_st = m - b sin φ,    φ(0) = φ_st = φ.
 
 A chamfer of 45° makes the bottom face narrower (of width c_p, on the part) or the mouth wider (c_h,
-on the hole). Until the face lies within the mouth a chamfered pair is one without chamfers, of
+on the hole). Until the face lies within the mouth, the pair acts as one without chamfers, of
 
     a' = a - c_p,    l' = a (1 + δ) + c_h,    δ' = l'/a' - 1,
 
@@ -116,11 +116,11 @@ _ON_FLANK: Mapping[str, float] = {
 def judged(
     results: Mapping[str, Any], parameters: Mapping[str, Any], *, chamfered: bool
 ) -> dict[str, Any]:
-    """Return the results of runs by name, where the place at the mouth decides.
+    """Return the results of runs by name, changed where the place at the mouth decides.
 
     A part that starts inside the hole needs no alignment, and is aligned at once, even if it meets
-    no edge and hangs in the hole. Of a ``chamfered`` pair, an alignment at which a flank or a side
-    is met is not known. Both mappings hold arrays of one shape.
+    no edge and hangs in the hole. If the part of a ``chamfered`` pair meets a flank or a side, its
+    alignment is not known. Both mappings hold arrays of one shape.
     """
     found = dict(results)
 
@@ -145,8 +145,8 @@ def steepest(parameters: Mapping[str, Any]) -> Any:
 def press_to_slide(given: Mapping[str, float]) -> float:
     """Return the press in N above which a part whose chamfers meet slides in along a flank.
 
-    The flank moves the face by what the misalignment exceeds the play, against the lateral and the
-    tilt spring in series; infinite from a friction of 1 on.
+    The flank moves the face by the misalignment less the play, against the lateral and the tilt
+    spring in series. The press is infinite for a friction of 1 or more.
     """
     play = given["clearance"] * given["half_width"]
     springs = given["lateral_stiffness"], given["tilt_stiffness"]

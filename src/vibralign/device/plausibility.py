@@ -1,7 +1,7 @@
 """Plausibility of a device: values that make no sense are refused, doubtful ones are named.
 
-Every range below holds the devices of docs/ and of the study with room to spare, and leaves out
-each of their quantities if it is a thousand times larger or smaller: a wrong prefix is noticed.
+Every range below contains the devices of docs/ and of the study with room to spare, and excludes
+each of their quantities a thousand times larger or smaller: so a wrong prefix is noticed.
 """
 
 import math
@@ -194,8 +194,8 @@ def _lever(given: Mapping[str, float], device: Device, shape: Shape) -> Iterator
     if _DOUBTED < doubt < math.inf:
         yield (
             f"soft base: at contact_stiffness = {given['contact_stiffness']:.4g} N/m, stated or "
-            "taken, the contact yields about as much as the lever of the press is long, which may "
-            f"be {100.0 * doubt:.2g} % longer: {DISTRUSTED}"
+            "assumed, the contact yields so much that the lever of the press may be "
+            f"{100.0 * doubt:.2g} % longer: {DISTRUSTED}"
         )
 
 

@@ -36,7 +36,7 @@ IN_SI: dict[str, Quantity] = {"horizon": TIME, "insertion_depth": LENGTH}
 
 
 def device_of(given: object) -> Device:
-    """Return a device, with a warning of what is doubtful; a text or path is that of its file.
+    """Return a device, and warn of what is doubtful; a text or path is that of its file.
 
     Raises:
         TypeError: no device; a list is not one.
@@ -77,7 +77,7 @@ def _check_start(device: StatedDevice, start: str | None) -> None:
 
 
 def settings_for(device: Device, settings: Settings | None) -> Settings:
-    """Return the settings of an answer: in the insertion scene unless there are others.
+    """Return the settings of an answer; by default, those of the insertion scene.
 
     Raises:
         ValueError: a start that is not the device's.
@@ -90,11 +90,11 @@ def settings_for(device: Device, settings: Settings | None) -> Settings:
 def with_changes(
     device: Device, settings: Settings | None, changes: dict[str, Any]
 ) -> tuple[Device, Settings]:
-    """Return a device with the horizon and depth that are texts, and the settings with the rest.
+    """Return a device with a horizon and depth given as texts, and settings with other changes.
 
     Raises:
-        TypeError, ValueError: as ``settings_with``, a text that is no amount, or a start, which
-            the device states.
+        TypeError, ValueError: as ``settings_with``, a text that is no amount, or a start that is
+            not the device's.
     """
     if isinstance(device, Parameters):
         return device, _settings_with(settings, changes)
@@ -106,7 +106,7 @@ def with_changes(
 
 
 def _settings_with(settings: Settings | None, changes: dict[str, Any]) -> Settings:
-    """Return ``settings_with``; a quantity of a device among the changes is sent to its place."""
+    """Return ``settings_with``; refuse a quantity of a device, and say where it belongs."""
     for name, value in changes.items():
         if name in QUANTITIES:
             raise ValueError(
@@ -121,7 +121,7 @@ def _settings_with(settings: Settings | None, changes: dict[str, Any]) -> Settin
 def as_run(
     device: Device, settings: Settings | None, changes: dict[str, Any]
 ) -> tuple[Parameters, Settings]:
-    """Return the parameters of a device and the settings of its runs; raises as above."""
+    """Return the parameters of a device and the settings of its runs; errors as above."""
     device, settings = with_changes(device, settings, changes)
     if isinstance(device, Parameters):
         return device, settings
@@ -132,8 +132,8 @@ def simulate(parameters: AnyDevice, settings: Settings | None = None, **changes:
     """Run one device and return its trajectory, dimensionless, with the units of a device in SI.
 
     Args:
-        parameters: device, excitation and initial state; or a device as ``load_device`` returns it,
-            or the path of its file: with the start that it states, and its shape unless the
+        parameters: ``Parameters``, a device as ``load_device`` returns it, or the path of its file.
+            A device of a file runs from the start that it states, with its shape unless the
             settings state another.
         settings: settings of the run; the defaults of ``Settings`` if None.
         **changes: fields of ``Settings`` by name, over those of ``settings`` (``horizon=100``);

@@ -52,10 +52,10 @@ def is_grouped(text: str) -> bool:
 
 
 def peak(text: str) -> tuple[str, str, float]:
-    """Return the height of a vibration without "p-p", "rms" and the like, these, and the factor.
+    """Return a vibration's height without words such as "p-p", these words, and their factor.
 
     Raises:
-        ValueError: it says two different ones.
+        ValueError: there are two different such words.
     """
     found = dict[float, str]()
     for words, factor in _HEIGHTS.items():

@@ -63,7 +63,7 @@ class StatedDevice(Value):
         tolerances: tolerances by quantity.
         materials: materials of part and base, such as "steel on aluminium", or None.
         free: ranges within which a design may choose a quantity.
-        limits: largest admissible values of the names in ``LIMITS``; for "vibration" the share of
+        limits: largest admissible values by the names in ``LIMITS``; for "vibration" the share of
             devices that must not align without it, 1 or 0.
         changes: quantities that replace the file's, as they were given.
         vibrator: "running" or "still" during the approach, or None.
@@ -71,7 +71,7 @@ class StatedDevice(Value):
         stated_shape: shape of part and hole (``Settings.shape``), or None.
         horizon: latest time of its runs in s, or None for that of the settings in units of 1/p.
         insertion_depth: depth in m at which it counts as inserted, or None for the default.
-        notes: lines on words of the file that ``changes`` may have made mean something else.
+        notes: lines on entries of the file whose meaning ``changes`` may have altered.
         written: the unit in which a quantity is stated, such as "mm p-p", and its size in SI units;
             of those that are stated with one.
         unknown: ranges of what nobody has measured; ``quantities`` has their middles.
@@ -166,7 +166,7 @@ class StatedDevice(Value):
         return with_base(as_parameters(self._of_part(changes)), pair, self.shape)
 
     def _of_part(self, changes: Mapping[str, float]) -> dict[str, float]:
-        """Return the quantities with ``changes``, of the holder and the part as ``MOUTH`` is."""
+        """Return the quantities with ``changes``, those of ``INSTEAD`` converted to parameters."""
         replaced = replaced_by(changes)
         kept = {name: v for name, v in self.quantities.items() if name not in replaced}
         approach = {} if self.sudden else {SPEED: USUAL}
@@ -231,7 +231,7 @@ class StatedDevice(Value):
         return replace(self, **merged, materials=materials, changes=all_changes, notes=notes)
 
     def run_settings(self, settings: Settings, units: Units) -> Settings:
-        """Return ``settings`` with what is stated for runs; ``units`` are those of the device.
+        """Return ``settings`` with what the device states of its runs, in its ``units``.
 
         Devices with other quantities have other units, and the same horizon and depth in SI units.
         """
@@ -260,7 +260,7 @@ class StatedDevice(Value):
         return self.materials is not None or "contact_stiffness" in self.quantities
 
     def warn(self, at: Mapping[str, float] | None = None) -> None:
-        """Warn of what is doubtful, or of what is so only with the values ``at`` of an axis."""
+        """Warn of what is doubtful, or of what is doubtful only with the values ``at`` of axes."""
         found = self.doubts
         if at is not None:
             there = self.changed(**at).doubts

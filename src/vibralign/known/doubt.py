@@ -4,7 +4,7 @@ All is computed from sets of the unknowns and their verdicts, by no further run,
 correlated sets as well. The first-order share of an unknown is Var(E[verdict | unknown]) over the
 variance of the verdict (A. Saltelli and others, Global Sensitivity Analysis, 2008, sect. 1.2.8), by
 the means in classes of equal size, less what their scatter adds; its error is the scatter between
-random halves of the sets. What is known to ``PRECISION`` of its range takes away the mutual
+random halves of the sets. A measurement to ``PRECISION`` of the range takes away the mutual
 information between its reading and the verdict.
 """
 
@@ -56,7 +56,7 @@ def entropy(share: ArrayLike) -> Floats:
 def unknowns_of(
     ranges: Mapping[str, Range], sets: Mapping[str, Floats], verdict: Bools
 ) -> tuple[Unknown, ...]:
-    """Return what each unknown has to do with the verdicts on sets, the one that decides first."""
+    """Return the part of each unknown in the verdicts on sets, the one that decides most first."""
     rng, found = np.random.default_rng(0), []
     half = verdict.size // 2
     rows = [rng.permutation(verdict.size)[:half] for _ in range(HALVES)]

@@ -1,6 +1,6 @@
 """Does the model fit the trials at all?
 
-Each trial is looked at by what all others predict of it: the probability of a result as far out,
+Each trial is compared with what all others predict of it: the probability of a result as far out,
 from both ends, or of failing (A. E. Gelfand, D. K. Dey, H. Chang, Bayesian Statistics 4, 1992,
 147). If the product of these probabilities is too small, by Fisher's combined test (R. A. Fisher,
 Statistical Methods for Research Workers, 1932, sect. 21.1), the model does not fit. No further run

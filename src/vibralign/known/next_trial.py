@@ -3,10 +3,10 @@
 The outcome of a trial is a class: fails, or one of ``CLASSES`` of time. A trial is worth the mutual
 information between its class and the verdict at the intended setting, over the sets that the trials
 so far leave possible (D. V. Lindley, Annals of Mathematical Statistics 27, 1956, 986). A bench
-test, which measures an unknown to a tenth of its range, is worth the same of its reading: one
-currency.
-Where settings are free, the intended one is that which is reliable for most, and no trial is worth
-making if knowing everything adds less than ``NOTHING`` to that.
+test measures an unknown to a tenth of its range; its worth is the mutual information between its
+reading and the verdict, in the same bits. If quantities are free, the intended setting is the one
+that is reliable for most of what is possible; no trial is worth making if knowing everything adds
+less than ``NOTHING`` to that share.
 """
 
 from collections.abc import Callable, Mapping, Sequence

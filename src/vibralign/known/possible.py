@@ -187,7 +187,7 @@ class Possible(Value):
         reliable: where the device is reliable, shape (n,).
         longest: longest alignment time in s of each set, NaN if it fails somewhere, shape (n,).
         touch_downs: number of touch-downs.
-        unknowns: what deciding and measuring each unknown is worth, the one that decides first.
+        unknowns: part of each unknown in the verdict, the one that decides most first.
     """
 
     sets: Sets

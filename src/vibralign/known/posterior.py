@@ -4,8 +4,8 @@ The ranges are the prior. First their Sobol' points are weighed by the likelihoo
 Then every stage draws sets from a mixture of normal distributions around the best sets so far, and
 all sets are weighed anew by the mixture of all proposals (J.-M. Cornuet, J.-M. Marin, A. Mira,
 C. P. Robert, Scandinavian Journal of Statistics 39, 2012, 798), so that no run is lost. Shares of
-the ranges are made normal variates z, in which the proposals have no ends to leave. Decision 0068
-weighs it against nested sampling and Markov chains.
+the ranges are transformed to normal variates z, so that no proposal leaves a range. Decision 0068
+weighs this sampler against nested sampling and Markov chains.
 """
 
 from collections.abc import Callable, Mapping

@@ -1,4 +1,4 @@
-"""Settings of a device that is known in part: which covers most of what is possible.
+"""Settings of a device that is known in part: the one that covers most of what is possible.
 
 Settings are Sobol' points of the free ranges, then points around the best, tried by a few sets and
 touch-downs. The best is then tried as ``known_in_part`` does. *Knowing everything* would let each
@@ -144,7 +144,7 @@ def covering(
         settings: as for ``known_in_part``.
         cores: number of threads.
         tell: called with the step, in words.
-        count: settings of the first round, a power of two; then twice half as many around the best.
+        count: settings of the first round, a power of two; two more, around the best, have half.
         sets: sets of the unknowns by which the best are tried, a power of two.
 
     Raises:

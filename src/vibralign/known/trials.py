@@ -46,7 +46,7 @@ class Trial(Value):
         device: the device as it was set; its tolerances are those of the touch-down.
         time: alignment time in s, or None if it failed or was stopped.
         error: relative error of the time, one standard deviation.
-        waited: time in s after which it failed or was stopped; None: the horizon, or a time.
+        waited: time in s after which it failed or was stopped; None for the horizon or a time.
         setting: what was set, as the table has it.
         result: the result, as the table has it.
     """
@@ -70,8 +70,8 @@ def read_trials(device: StatedDevice, table: Any) -> list[Trial]:
     """Return the trials of a table: the path of a CSV file, a DataFrame, or rows by column.
 
     Raises:
-        ValueError: a column that is no quantity, a cell that cannot be read, a trial of which
-            there is no model, or fewer than two trials; with the row and the cell.
+        ValueError: a column that is no quantity, a cell that cannot be read, a trial that cannot
+            be modelled, or fewer than two trials; with the row and the cell.
     """
     if isinstance(table, (str, Path)):
         source, heads, rows = _of_file(Path(table))
@@ -88,7 +88,7 @@ def read_trials(device: StatedDevice, table: Any) -> list[Trial]:
     except ValueError as error:
         raise ValueError(f"{source}: {error}") from None
     if len(trials) < FEWEST:
-        raise ValueError(f"{source}: has {len(trials)} trials: at least {FEWEST} make sense")
+        raise ValueError(f"{source}: has {len(trials)} trials: needs at least {FEWEST}")
     return trials
 
 
@@ -223,9 +223,9 @@ def notes_on(trials: Sequence[Trial], unknown: int) -> list[str]:
     if len(trials) <= unknown:
         notes.append(f"{len(trials)} trials for {unknown} unknowns: they can tell little")
     if len({tuple(sorted(each.setting.items())) for each in trials}) == 1:
-        notes.append("all trials have one setting: they tell of that, and little of the unknowns")
+        notes.append("all trials have one setting: they tell little of the unknowns")
     if all(each.time is None for each in trials):
-        notes.append("all trials fail: only where it fails is known, and no time")
+        notes.append("all trials fail: they tell where it fails, but no time")
     return notes
 
 

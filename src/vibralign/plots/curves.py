@@ -72,9 +72,9 @@ def curves(dataset: xr.Dataset) -> Figure:
 
 
 def jumps(dataset: xr.Dataset) -> Bools:
-    """Return True between neighbours along the last dimension, between which the duration jumps.
+    """Return True where the duration jumps between neighbours along the last dimension.
 
-    It does where the part falls in one or more strokes of the vibration later, so by about a whole
+    It jumps where the part falls in one or more strokes of the vibration later, so by about a whole
     number of periods: a jump is a difference of more than a third of a period. In the study's
     figures nearly all differences are far below or above that. The shape is that of ``tau_align``,
     the last dimension shorter by one.

@@ -59,7 +59,7 @@ def test_devices_that_cannot_be_count_as_not_going_in_and_are_said(name, text, s
     sets = [word for each in changes.items() for word in ("--set", "=".join(each))]
     given = ["assess", "--device", str(PEG), *sets, "--horizon", "1 ms", "--devices", "64"]
     assert cli.main(given) == cli.DONE
-    assert "counted as not going in" in capsys.readouterr().out
+    assert "count as not going in" in capsys.readouterr().out
 
 
 def test_devices_are_drawn_within_their_tolerances():
@@ -165,7 +165,7 @@ def test_the_nearest_failing_device_of_the_peg_fails_when_its_command_is_run(cap
     assert cli.main(["assess", "--details", *device, *rough, "--devices", "16"]) == cli.DONE
     lines = capsys.readouterr().out.splitlines()
     assert any(e.startswith("fails nearest") and "% of the tolerances" in e for e in lines)
-    place = lines.index("the nearest that fails:")
+    place = lines.index("nearest failing device:")
     command = shlex.split(lines[place + 1])
     assert cli.main([*command[1:], *rough]) == cli.DONE
     assert "does not align" in capsys.readouterr().out

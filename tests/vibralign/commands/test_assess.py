@@ -50,7 +50,7 @@ def test_a_device_in_si_units_is_assessed_in_si_units(capsys, monkeypatch):
     assert re.fullmatch(times, row(shown, "time"))
     assert re.match(r"[\d.]+ N at the \w+, ", row(shown, "largest force"))
     assert row(shown, "vibration").startswith("needed: only pressed, it ")
-    open_ones = "gripper_tilt: tried as above; state gripper_tilt first, which "
+    open_ones = "gripper_tilt: tried as above; state gripper_tilt first: this "
     assert row(shown, "not stated") == f"{open_ones}changes the force most"
     assert re.match(r"0 to 1; touches down at up to [\d.]+ mm/s", row(shown, "lift-offs"))
     places = r"edge [\d.]+ N, corner [\d.]+ N, side [\d.]+ N, wall [\d.]+ N, until inserted"

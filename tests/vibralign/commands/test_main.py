@@ -213,10 +213,8 @@ def test_a_device_file_gives_results_in_si_units(capsys):
     time = re.search(r"alignment time +(\S+) ms\n", said)
     assert float(time[1]) == pytest.approx(1e3 * si["alignment_time_s"], rel=1e-3)
     assert re.search(r"largest normal force at one place, from this start +19.99 N\n", said)
-    words = (
-        "edge 19.99 N, corner 0 N, side 0 N, wall 0 N, until alignment: --scene insertion for those"
-    )
-    assert re.search(rf"  of the force +{words} in the hole\n", said)
+    words = "edge 19.99 N, corner 0 N, side 0 N, wall 0 N, until alignment; --scene insertion gives"
+    assert re.search(rf"  of the force +{words} those in the hole\n", said)
     # A part with chamfers is not followed so far: its runs do not say how to.
     assert cli.main(["simulate", "--device", PEG, "--set", "peg_chamfer=0.1 mm"]) == cli.DONE
     assert re.search(r"  of the force .*, until alignment\n", capsys.readouterr().out)
@@ -231,7 +229,7 @@ def test_a_device_file_gives_results_in_si_units(capsys):
     assert cli.main(["simulate", "--device", PEG, "--dimensionless"]) == cli.DONE
     said = capsys.readouterr().out
     assert re.search(r"dimensionless:\ntau_align +9\.", said)
-    assert said.endswith("one is 0.01 s, 0.001 m, 3 N\n")
+    assert said.endswith("units: 0.01 s, 0.001 m, 3 N\n")
 
 
 def test_with_a_device_what_is_set_is_in_si_units(capsys):

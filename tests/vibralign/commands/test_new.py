@@ -50,7 +50,7 @@ def test_a_device_is_copied_and_nothing_is_overwritten(tmp_path, capsys):
     assert cli.main(["new", str(path), "--from", str(EXAMPLES / "pin.yaml")]) == cli.DONE
     assert path.read_bytes() == (EXAMPLES / "pin.yaml").read_bytes()
     assert cli.main(["new", str(path)]) == cli.REFUSED
-    assert f"{path}: is there already" in capsys.readouterr().err
+    assert f"{path}: exists already" in capsys.readouterr().err
     assert path.read_bytes() == (EXAMPLES / "pin.yaml").read_bytes()
     broken = tmp_path / "broken.yaml"
     broken.write_text("mass: heavy\n", encoding="utf-8")

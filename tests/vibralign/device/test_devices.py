@@ -288,7 +288,7 @@ def test_a_contact_that_yields_as_much_as_the_lever_is_doubted():
     )
     (doubt,) = (each for each in soft if each not in firm)
     assert doubt.startswith(f"soft base: at contact_stiffness = {0.99 * at_half:.4g} N/m, stated")
-    assert doubt.endswith("which may be 51 % longer: do not trust the verdict")
+    assert doubt.endswith("lever of the press may be 51 % longer: do not trust the verdict")
     square = {"contact_stiffness": 0.99 * at_half}
     assert not any("soft base" in each for each in load_device(EXAMPLE, square).doubts)
     # A base that is not stated is taken to be one, and may be too soft for a tight fit.

@@ -65,7 +65,7 @@ def test_of_trials_that_do_not_fit_nothing_is_known(tmp_path, capsys):
     text = capsys.readouterr().out
     assert text.startswith("fit             THE MODEL DOES NOT FIT THESE TRIALS")
     assert "row 2" in text
-    assert "nothing is known" in text
+    assert "nothing can be concluded" in text
     assert "posterior" not in text
     assert not out.exists()
     assert not (tmp_path / "fit.nc").exists()
