@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from vibralign import load_device, reliable_at, sweep
+from vibralign import load_device, reliable_at, simulate, sweep
 from vibralign.commands import main as cli
 from vibralign.commands.files import check_file
 from vibralign.device import DeviceError
@@ -49,11 +49,15 @@ def test_a_structure_or_a_tolerance_where_a_value_is_expected_is_refused(tmp_pat
         ("--horizon", "-1", "horizon = '-1': must be a finite number > 0"),
         ("--horizon", "1 s ± 0.1 s", "no tolerance here"),
         ("--insertion-depth", "5mm", "insertion_depth = '5mm': needs --scene insertion"),
+        ("--insertion-depth", "5 mm ± 1 mm", "no tolerance here"),
     ],
 )
 def test_a_bad_value_is_named_as_it_was_given(capsys, option, given, words):
     assert cli.main(["simulate", "--device", str(PEG), option, given]) == cli.REFUSED
     assert words in capsys.readouterr().err
+    if "±" in given:
+        with pytest.raises(ValueError, match=words):
+            simulate(PEG, scene="insertion", **{option[2:].replace("-", "_"): given})
 
 
 def test_numbers_of_numpy_are_numbers_and_masked_ones_are_refused():
