@@ -264,7 +264,10 @@ class StatedDevice(Value):
         found = self.doubts
         if at is not None:
             there = self.changed(**at).doubts
-            place = ", ".join(f"{name} = {value:.4g} {unit_of(name)}" for name, value in at.items())
+            words = (
+                f"{n} = {value:.4g} {unit_of(n)}".removesuffix(" 1") for n, value in at.items()
+            )
+            place = ", ".join(words)
             found = [f"at {place}: {doubt}" for doubt in there if doubt not in found]
         for doubt in found:
             warnings.warn(f"{self.source}: {doubt}", DoubtWarning, stacklevel=3)

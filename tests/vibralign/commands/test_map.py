@@ -150,3 +150,11 @@ def test_an_axis_may_begin_below_zero(tmp_path, capsys):
     capsys.readouterr()
     assert cli.main(["simulate", "--horizon", "-1e-3"]) == cli.REFUSED
     assert "horizon = -0.001: must be a finite number > 0" in capsys.readouterr().err
+
+
+def test_axes_that_reach_where_no_device_is_are_doubted(capsys, tmp_path):
+    axes = ["--x", "friction", "0.1", "0.2", "--y", "amplitude", "0.1", "1"]  # in metres
+    few = ["--resolution", "2", "--horizon", "1 ms", "--out", str(tmp_path / "map.nc")]
+    assert cli.main(["map", "--device", PEG, *axes, *few]) == cli.DONE
+    told = capsys.readouterr().err
+    assert "at friction = 0.1, amplitude = 0.1 m: amplitude = 100 mm is larger than" in told
