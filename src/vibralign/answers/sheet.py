@@ -204,7 +204,10 @@ def _borders(result: "Assessment") -> Iterator[str]:
     """Yield the nearest values at which the verdict changes, the nearest first."""
     found = _changing(result)
     for name, own, value in found[:_NEAREST]:
-        at, stated = (value_words(result, name, each, DIGITS) for each in (value, own))
+        for digits in range(DIGITS, 8):  # until they differ
+            at, stated = (value_words(result, name, each, digits) for each in (value, own))
+            if at != stated:
+                break
         yield f"{name} {at} (stated {stated})"
     if len(found) > _NEAREST:
         yield "others farther away"

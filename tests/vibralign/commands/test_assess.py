@@ -114,6 +114,9 @@ def test_a_sheet_is_short_and_its_words_are_those_of_the_tutorial(capsys, monkey
     assert row(sheet, "fails from") == "friction 0.21 (stated 0.15)"
     assert row(sheet, "vibration") == "needed: only pressed, it rests on the edge"
     assert row(sheet, "more").startswith("--details ")
+    found = replace(found, leeways=(replace(leeway, fails_above=0.15004),))
+    assert cli.main(["assess", "--device", PEG]) == cli.DONE
+    assert row(capsys.readouterr().out, "fails from") == "friction 0.15004 (stated 0.15)"
 
 
 @pytest.mark.usefixtures("_no_leeways")
