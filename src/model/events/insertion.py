@@ -2,7 +2,8 @@
 
 It adds A1 on the right side face, and the bottom corners on the walls of the slot. A part touches
 two points at most on either side of the slot: an edge on a side face, and the corner below it on
-the wall. Until alignment the two scenes have the same events.
+the wall. Until alignment the two scenes have the same events; a side that meets A1 aligns the part
+here, and leaves the alignment scene.
 """
 
 from dataclasses import replace
