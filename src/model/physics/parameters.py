@@ -348,7 +348,7 @@ class Batch(Value):
         return np.asarray(resolved(Given(**self.values)).insertion_depth)
 
     def reaches(self) -> NDArray[np.float64]:
-        """Return the depths to which f0 presses parts against their axial springs, shape (n,)."""
+        """Return the depths to which f0 presses the parts against the axial spring, shape (n,)."""
         given = resolved(Given(**self.values))
         return np.asarray(given.press_force - (given.rest_y - given.half_height))
 

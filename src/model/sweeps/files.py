@@ -39,7 +39,7 @@ def atomic_write(target: Path) -> Iterator[Path]:
 
 
 def check_encoding(path: Path) -> None:
-    """Refuse a path that the netCDF library cannot be told.
+    """Refuse a path that cannot be passed to the netCDF library.
 
     Raises:
         ValueError: Python takes the names of files for ASCII, and this one is not.

@@ -120,7 +120,7 @@ def global_attributes(
 
 
 def outcome_counts(dataset: xr.Dataset) -> dict[str, int]:
-    """Return the numbers of trajectories, in all, by outcome and sensitive, and of evaluations."""
+    """Return the numbers of trajectories (all, by outcome, sensitive) and of evaluations."""
     outcomes = np.atleast_1d(dataset["outcome"].values).ravel()
     counts = {each.name.lower(): int((outcomes == each).sum()) for each in Outcome}
     return {

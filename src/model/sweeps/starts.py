@@ -44,7 +44,7 @@ def every_start(
 ) -> dict[str, NDArray[Any]]:
     """Run all devices from all starts.
 
-    ``others`` are parameters that differ between both, by name, each of shape (devices, starts).
+    ``others`` are further parameters that vary, by name, each of shape (devices, starts).
 
     Returns:
         The fields of ``RunResult``, and ``goes_in``; each of shape (devices, starts).

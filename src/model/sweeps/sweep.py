@@ -139,7 +139,7 @@ class Sweep(Plan):
 
     @property
     def parts(self) -> dict[str, "Sweep"]:
-        """This sweep, and the one over starts, by the beginning of the names of what is theirs."""
+        """This sweep, and the one over starts, by the prefix of the names of their variables."""
         return {"": self} if self.starts is None else {"": self, START: self.starts}
 
     @property

@@ -3,15 +3,12 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from model.physics.quantities import ANGLE, FORCE, TIME
 from vibralign.answers.si import si_words
 from vibralign.commands.tables import in_columns
 from vibralign.device.limits import LIMITS
 
 if TYPE_CHECKING:
     from vibralign.answers.limits import LimitResult
-
-MEASURES = {"time": TIME, "contact_force": FORCE, "tilt": ANGLE}  # of runs
 
 
 def limit_rows(results: "Sequence[LimitResult]") -> list[tuple[str, str]]:
