@@ -80,8 +80,11 @@ class Declarations:
         return self._arrays[id(known)][0]
 
     def lanes(self) -> tuple[str, str]:
-        """Return metadata of accesses in a new loop over lanes, and of its jump back."""
-        if self.checked or WIDTH == 1:
+        """Return metadata of accesses in a new loop over lanes, and of its jump back.
+
+        LLVM unrolls a loop of two rounds, and tells on standard error that it is no vector then.
+        """
+        if self.checked or WIDTH <= 2:
             return "", ""
         group = 2 * len(self.texts)
         hints = (

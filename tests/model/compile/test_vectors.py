@@ -5,10 +5,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-from model.compile import machine_code
+from model.compile import code, machine_code, translate
 from model.compile.entries import address_of, compiled, flattened
 from model.compile.module import Module
-from model.compile.vector_code import WIDTH, VectorFunction, VectorWriter, call_at, each_lane
+from model.compile.vector_code import (
+    WIDTH,
+    WIDTHS,
+    VectorFunction,
+    VectorWriter,
+    call_at,
+    each_lane,
+)
 from model.engine.workspace import new_workspace
 from tests.model.compile.sources import bits, exactly, kernel_of, load
 
@@ -27,13 +34,23 @@ def optimised(function: Any, *arguments: Any) -> str:
 
 
 def test_a_loop_over_lanes_becomes_vector_code() -> None:
-    code = optimised(kernel_of(LANES, "w"), np.zeros(3 * WIDTH))
-    assert f"store <{WIDTH} x double>" in code
-    assert "store double" not in code
+    vectors = optimised(kernel_of(LANES, "w"), np.zeros(3 * WIDTH))
+    assert f"store <{WIDTH} x double>" in vectors
+    assert "store double" not in vectors
     plain = optimised(
         kernel_of(LANES.replace("each_lane()", "range(WIDTH)"), "w"), np.zeros(3 * WIDTH)
     )
     assert f"store <{WIDTH} x double>" not in plain, "the loop may read what another round writes"
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_llvm_writes_nothing_to_standard_error(
+    width: int, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    for each in (code, translate):
+        monkeypatch.setattr(each, "WIDTH", width)
+    optimised(kernel_of(LANES, "w"), np.zeros(3 * WIDTH))
+    assert capfd.readouterr().err == ""
 
 
 def test_lanes_that_the_promise_makes_free_and_their_values() -> None:
