@@ -1,6 +1,7 @@
 """The assumptions of an answer, as commands, files and pages print them alike."""
 
 import json
+import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -82,16 +83,22 @@ def assumptions_with(
 def at_corners(corners: Sequence[Mapping[str, str]]) -> dict[str, str]:
     """Return what a map assumes, from the assumptions at its corners; lists numbers that vary."""
     words = dict(corners[0])
-    for name in words:
-        texts = dict.fromkeys(each[name] for each in corners)
-        parts = [_AMOUNTS.split(text) for text in texts]
-        if len(texts) > 1 and len({len(each) for each in parts}) == 1:
-            rows = [list(dict.fromkeys(each)) for each in zip(*parts, strict=True)]
-            row = "".join((" to " if len(each) == 2 else ", ").join(each) for each in rows)
-            words[name] = f"{row}, at the corners of the map"
-        elif len(texts) > 1:
-            words[name] = f"varies over the map: {'; '.join(texts)}"
+    for name, first in words.items():
+        alike: dict[tuple[str, ...], list[list[str]]] = {}  # amounts by the text around them
+        for text in dict.fromkeys(each[name] for each in corners):
+            parts = _AMOUNTS.split(text)
+            alike.setdefault(tuple(parts[::2]), []).append(parts)
+        rows = ["".join(map(_listed, zip(*each, strict=True))) for each in alike.values()]
+        if len(rows) > 1:
+            words[name] = f"varies over the map: {'; '.join(rows)}"
+        elif rows[0] != first:
+            words[name] = f"{rows[0]}, at the corners of the map"
     return words
+
+
+def _listed(texts: Sequence[str]) -> str:
+    distinct = list(dict.fromkeys(texts))
+    return (" to " if len(distinct) == 2 else ", ").join(distinct)
 
 
 def lines_of(words: Mapping[str, str]) -> list[str]:
@@ -187,6 +194,8 @@ def _base(parameters: Parameters, stated: StatedDevice | None) -> str:
     else:
         times = USUAL_STIFFNESS[stated.shape]
         source = f"not stated: {times:,.0f} times the axial stiffness"
+    if math.isfinite(stated.fixture):
+        source += f", in series with the fixture's {si_words(stated.fixture, STIFFNESS)}"
     impact = f"not stated: {parameters.contact_damping:.4g} in units of the model"
     if "restitution" in stated.quantities:
         impact = f"from a restitution of {stated.quantities['restitution']:g}"

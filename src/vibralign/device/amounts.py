@@ -90,6 +90,8 @@ def read_amount(name: str, given: object, unit: str, frequency: float | None = N
             )
         return reader.amount(value)
     sign, width = spread
+    if not (value and width):
+        raise reader.refusal(f"a number must stand before and after {sign}, or leave {sign} out")
     kind: Literal["uniform", "normal"] = "uniform" if sign in ("±", "+/-", "+-") else "normal"
     if width.endswith("%") and "%" not in value:
         amount, share = reader.amount(value), read_amount(f"{name}'s width", width, "1").value

@@ -5,7 +5,8 @@ each of their quantities a thousand times larger or smaller: so a wrong prefix i
 """
 
 import math
-from collections.abc import Iterator, Mapping
+import re
+from collections.abc import Iterator, Mapping, Sequence
 
 from model.physics.geometry import farthest_tilted, lever_doubt
 from model.physics.parameters import FIELDS, Shape, constants_of
@@ -32,6 +33,7 @@ _DENSITY = 500.0, 20e3  # mass over the volume of the part, kg/m³
 _WIDEST, _NARROWEST = 0.5, 1e-4  # clearance
 _SLIPPERIEST, _ROUGHEST = 0.005, 1.0  # friction
 _STEEPEST = 0.5  # tilt at the start, rad
+_WIDEST_TILT = 0.05  # tolerance of the gripper's tilt, rad: ten times that of a poor gripper
 _SHARPEST = 1e-6  # rounding of an edge, m
 _DOUBTED = 0.5  # share by which the lever of a round part may be longer
 _DEADEST = 0.01  # restitution
@@ -111,6 +113,24 @@ def doubts(quantities: Mapping[str, float], device: Device, shape: Shape) -> lis
     lines = [line for each in found for line in each(quantities, device)]
     lines += [*_place(quantities, device, shape), *_base(quantities, device, shape)]
     return [*lines, *_lever(quantities, device, shape)]
+
+
+def without_unit(bare: Mapping[str, tuple[float, str]], found: Sequence[str]) -> list[str]:
+    """Return a line for each ``bare`` number with its SI unit whose name the doubts contain."""
+    named = re.findall(r"\w+", " ".join(found))
+    return [
+        f"{name} is stated without a unit, so it is taken as {value:.4g} {unit}"
+        for name, (value, unit) in bare.items()
+        if name in named and unit != "1"
+    ]
+
+
+def wide_tilts(end: float) -> list[str]:
+    """Return a line if the tolerance of the gripper's tilt, stated without a unit, is wide."""
+    if end <= _WIDEST_TILT:
+        return []
+    words = f"{GRIPPER_TILT} ± {end:.4g} is ± {math.degrees(end):.4g}°, since it has no unit: write"
+    return [f"{words} ± {end:.4g} deg if it is in degrees"]
 
 
 def _outside(value: float, span: tuple[float, float]) -> bool:
@@ -224,7 +244,8 @@ def _stiffnesses(given: Mapping[str, float], device: Device) -> Iterator[str]:
             name = f"{direction}_stiffness"
             yield (
                 f"{name} = {given[name]:.4g} {FIELDS[name].quantity.unit} gives a natural "
-                f"frequency of {ratio * resonance:.3g} Hz, the axial one is {resonance:.3g} Hz"
+                f"frequency of {ratio * resonance:.3g} Hz, the axial one is {resonance:.3g} Hz by "
+                "axial_stiffness and mass"
             )
 
 

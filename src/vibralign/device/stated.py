@@ -43,6 +43,8 @@ from vibralign.device.plausibility import (
     check_place,
     check_press,
     doubts,
+    wide_tilts,
+    without_unit,
 )
 from vibralign.device.unknown import Range
 from vibralign.doubts import DoubtWarning
@@ -290,6 +292,14 @@ class StatedDevice(Value):
                 "shape is not stated: taken as round, a peg in a round hole; state shape: round, "
                 "or shape: square for a plane part beside a slot"
             )
+        bare = {
+            n: (value, unit_of(n)) for n, value in self.quantities.items()
+            if n not in self.written and isinstance(self.changes.get(n, ""), str)
+        }  # fmt: skip
+        if len(bare) < len(self.written):
+            found += without_unit(bare, found)
+        if GRIPPER_TILT in bare and GRIPPER_TILT in self.tolerances:
+            found += wide_tilts(self.tolerances[GRIPPER_TILT].end(0.0))
         return [*self.notes, *found]
 
 

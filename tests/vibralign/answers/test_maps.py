@@ -16,6 +16,7 @@ from model.sweeps.sweep import Sweep, margin_of, merge, run
 from study.config import load_study, study_path
 from study.plans import sweep_of
 from vibralign import align
+from vibralign.answers.assumptions import at_corners
 from vibralign.answers.cases import cases_of
 from vibralign.answers.maps import QuantityAxis, in_every_case, map_of
 from vibralign.answers.reliability import are_reliable, from_every_start
@@ -166,3 +167,13 @@ def test_every_map_of_the_study_has_its_starts():
         assert sweep.starts is not None
         every_eighth = [-(-each.count // 8) for each in sweep.dimensions]
         assert sweep.starts.shape == (*every_eighth, 2, 16)
+
+
+def test_a_map_lists_the_numbers_of_its_corners_and_other_words_apart():
+    alike = [{"goal": f"a depth of {n} mm (of 5 mm)"} for n in (1, 2)]
+    found = at_corners(alike)["goal"]
+    assert found == "a depth of 1 mm to 2 mm (of 5 mm), at the corners of the map"
+    other = at_corners([*alike, {"goal": "a depth of 3 mm (the half-width, of 5 mm)"}])["goal"]
+    expected = "a depth of 1 mm to 2 mm (of 5 mm); a depth of 3 mm (the half-width, of 5 mm)"
+    assert other == f"varies over the map: {expected}"
+    assert at_corners([alike[0]] * 4) == alike[0]

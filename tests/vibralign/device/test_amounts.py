@@ -90,6 +90,7 @@ def test_a_tolerance_is_a_width_or_a_share(text, unit, value, kind, relative, ar
         ("12 1 N", "N", "write a decimal point"),
         ("ten", "N", "must be a number in N, or with a unit"),
         (True, "N", "must be a number in N"),
+        ("3 N ±", "N", "a number must stand before and after ±"),
         ("3 N ± -1 N", "N", "the tolerance must be >= 0"),
         ("15,000 mN", "N", "write a decimal point"),
         ("15 000 mN", "N", "write a decimal point"),

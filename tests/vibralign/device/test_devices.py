@@ -135,6 +135,16 @@ def test_a_doubtful_value_is_named(changes, words):
     assert words in doubt
 
 
+def test_a_doubt_says_that_a_unit_is_missing(tmp_path):
+    stiffness = load_device(peg(tmp_path, axial_stiffness="3")).doubts
+    assert stiffness[-1] == "axial_stiffness is stated without a unit, so it is taken as 3 N/m"
+    (tilt,) = load_device(peg(tmp_path, "gripper_tilt: 0 ± .2")).doubts
+    assert "± 0.2 is ± 11.46°, since it has no unit: write ± 0.2 deg" in tilt
+    for more, stated in (("", {"axial_stiffness": "3 N/m"}), ("gripper_tilt: 0 ± .2 rad", {})):
+        doubts = load_device(peg(tmp_path, more, **stated)).doubts
+        assert not any("unit" in each for each in doubts)
+
+
 @pytest.mark.parametrize("path", [EXAMPLE, *EXAMPLE.parent.glob("devices/*.yaml")], ids=str)
 def test_no_quantity_may_be_a_thousand_times_off_unnoticed(path):
     stated = load_device(path)
