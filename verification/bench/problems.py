@@ -153,6 +153,21 @@ def simulated(problem: Problem, settings: Settings) -> Solution:
     return Solution(np.array(tau), np.array(states), evaluations, failure)
 
 
+def ran_once(problem: Problem, settings: Settings) -> Solution:
+    """Return the solution of single runs at the tolerance itself, without estimates."""
+    tau, states, evaluations = [], [], 0
+    for case in problem.cases:
+        row = settings.rows(Batch.stack([case]))[0]
+        ends = [
+            last_state(replace(settings, horizon=stop), row, settings.tolerance)
+            for stop in problem.stops
+        ]
+        tau.append(ends[-1][0].tau_align)
+        states.append([state for _, state in ends])
+        evaluations += int(ends[-1][0].rhs_evaluations)
+    return Solution(np.array(tau), np.array(states), evaluations)
+
+
 def last_state(settings: Settings, row: Floats, tolerance: float) -> tuple[RunResult, Floats]:
     """Return the result of one run, and the state at its end, shape (6,).
 

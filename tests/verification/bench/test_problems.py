@@ -1,9 +1,11 @@
 import numpy as np
 import pytest
 
+from model.runs.errors import FINER
 from model.runs.simulate import simulate_once
 from study.config import load_study, study_path
 from verification.bench.methods.base import typical_error
+from verification.bench.methods.package import OneRun, Package
 from verification.bench.problems import Problem, last_state, neighbours
 from verification.bench.trajectories import W1, W2, W3, drawn_points, only_right_edge
 from verification.independent import solve
@@ -65,6 +67,13 @@ def test_the_last_state_is_the_last_of_the_trajectory() -> None:
     _, state = last_state(settings, row, settings.tolerance)
     # To rounding: a track takes its last row from the series of the last step once more.
     np.testing.assert_array_max_ulp(state, whole.state[-1], maxulp=4)
+
+
+def test_one_run_is_judged_at_the_tolerance_at_which_it_is_timed() -> None:
+    problem = Problem("W2", (W2,), Settings(horizon=2.0, may_settle=False), (1.0, 2.0))
+    with_estimate = Package("").answer(problem, 1e-6).states
+    assert np.array_equal(OneRun("").answer(problem, 1e-6 / FINER).states, with_estimate)
+    assert not np.array_equal(OneRun("").answer(problem, 1e-6).states, with_estimate)
 
 
 def test_neighbours_begin_with_the_cases_themselves_and_differ() -> None:

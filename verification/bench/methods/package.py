@@ -10,7 +10,7 @@ from model.physics.parameters import Batch, Parameters
 from model.runs.align import align, run_once
 from model.runs.settings import Settings
 from verification.bench.methods.base import Method
-from verification.bench.problems import Problem, Solution, simulated
+from verification.bench.problems import Problem, Solution, ran_once, simulated
 
 
 class Package(Method):
@@ -53,7 +53,7 @@ class OneRun(Package):
     def answer(self, problem: Problem, resolution: float, deadline: float = math.inf) -> Solution:
         """As ``Method.answer``; without checkpoints as ``solve``."""
         if problem.checkpoints:
-            return super().answer(problem, resolution, deadline)
+            return ran_once(problem, _settings(problem, resolution))
         return self.solve(problem, problem.cases, resolution, deadline)
 
 
