@@ -45,7 +45,7 @@ FROZEN = {
     """,
     "vibralign.Batch": "values",
     "vibralign.baseline": "",
-    "vibralign.load_device": "path changes",
+    "vibralign.load_device": "path changes needless",
     "vibralign.StatedDevice": """
         source quantities tolerances materials free limits changes vibrator sudden stated_shape
         horizon insertion_depth notes written unknown samples
@@ -55,10 +55,11 @@ FROZEN = {
     "vibralign.yield_of": "stated starts settings cores devices seed indices",
     "vibralign.Yield": """
         devices going_in low high time force runs sobol_indices inside forces insertion
-        confidence largest impossible
+        confidence largest impossible on_chamfers
     """,
     "vibralign.DeviceResults": """
         values goes_in time times force tilt failing forces inside insertion impossible
+        on_chamfers
     """,
     "vibralign.readable": "dataset",
     "vibralign.design": """

@@ -211,9 +211,9 @@ class Trials:
         return replace(self.settings, tolerance=least)
 
     def _is_good(self, results: DeviceResults) -> NDArray[np.bool_]:
-        """Return which devices go in and keep the limits of time, force and tilt."""
+        """Return which devices go in and keep the limits of time, force and tilt, if any."""
         limits = self.stated.limits
-        kept = [each <= limits.get(name, math.inf) for name, each in results.measures.items()]
+        kept = [~(each > limits.get(name, math.inf)) for name, each in results.measures.items()]
         good: NDArray[np.bool_] = np.logical_and.reduce([results.goes_in, *kept])
         return good
 

@@ -46,13 +46,17 @@ class LimitResult:
 
 def limit_results(
     stated: StatedDevice,
-    assessed: Assessment,
+    assessed: Assessment | None,
     drawn: Yield | None,
     settings: Settings,
 ) -> tuple[LimitResult, ...]:
-    """Return the results of every limit of the file, in its order."""
+    """Return the results of every limit of the file, in its order.
+
+    ``assessed`` is None for a device that needs no alignment at its stated values.
+    """
     if not stated.limits:
         return ()
+    assessed = assessed or Assessment(0, 0, math.nan, math.nan, failing_start=None)
     units = stated.units
     itself = {
         "time": units.time * assessed.tau_worst,
@@ -61,7 +65,8 @@ def limit_results(
         **of_vibrator(units.amplitude, stated.quantities["frequency"]),
     }
     if "vibration" in stated.limits:
-        itself["vibration"] = float(need_vibration(stated, as_stated(stated), settings)[0])
+        needs = not stated.needless and need_vibration(stated, as_stated(stated), settings)[0]
+        itself["vibration"] = float(needs)
 
     def largest(name: str) -> float | None:
         if drawn is None or name in OF_VIBRATOR:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from model.events.outcomes import SUCCESSES, Outcome, Unvibrated
+from model.events.outcomes import SUCCESSES, Outcome, Reason, Unvibrated
 from model.events.table import PLACES_OF_CONTACT
 from model.physics.parameters import PARAMETER_NAMES, Parameters, check_name
 from model.physics.tables import Value
@@ -27,7 +27,7 @@ from vibralign.answers.cases import at_tilts, by_approach, cases_of, on_bases
 from vibralign.device import StatedDevice
 from vibralign.device.amounts import read_amount
 from vibralign.device.batches import Values, by_settings, devices_of, rows_of
-from vibralign.device.mouth import judged
+from vibralign.device.mouth import CHAMFERS, judged, judged_on_chamfers
 from vibralign.device.runs import AnyDevice, devices_in, settings_for
 from vibralign.device.stated import bound_of, check_quantity, unit_of
 
@@ -55,6 +55,8 @@ class DeviceResults(Value):
         insertion: longest time until inserted in s, NaN where it is never inserted, shape (n,).
         impossible: True if there is no such device (no play, a negative friction …): it does not go
             in, and its numbers are NaN, shape (n,).
+        on_chamfers: True if it goes in as its chamfers meet the hole's, from every start: the press
+            alone brings it in; its forces and tilts are not modelled, and NaN. Shape (n,).
     """
 
     values: Values
@@ -68,6 +70,7 @@ class DeviceResults(Value):
     inside: NDArray[np.bool_]
     insertion: Floats
     impossible: NDArray[np.bool_]
+    on_chamfers: NDArray[np.bool_]
 
     def __getitem__(self, rows: Any) -> "DeviceResults":
         """Return the results of some devices, or of all in another order."""
@@ -124,6 +127,11 @@ def from_every_start(
             whole[rows] = column
     parameters = {name: column[:, None] for name, column in devices.values.items()} | of_cases
     results = judged(results, parameters, chamfered=device.is_chamfered)
+    if device.is_chamfered:
+        one = np.array([each.amplitude for each in units])
+        stated = {name: device.quantities.get(name, 0.0) for name in CHAMFERS} | {**values}
+        part, hole = ((stated[name] / one)[:, None] for name in CHAMFERS)
+        results = judged_on_chamfers(results, parameters, (part, hole))
     return {**results, "goes_in": np.isin(results["outcome"], SUCCESSES)}, units
 
 
@@ -150,7 +158,11 @@ def run_devices(
     goes_in = results["goes_in"] & ~impossible[:, None]
     at_once = (results["tau_align"] == 0.0) & ~impossible[:, None]
     second = np.array([each.time for each in units])
-    newton = np.where(impossible, np.nan, np.array([each.force for each in units]))
+    by_press = at_once & (results["reason"] == Reason.BY_PRESS)
+    inside = np.logical_and.reduce(at_once & ~by_press, axis=1)
+    on_chamfers = np.logical_and.reduce(at_once, axis=1) & ~inside
+    unknown = impossible | on_chamfers
+    newton = np.where(unknown, np.nan, np.array([each.force for each in units]))
     counted = goes_in & ~at_once
     times = np.where(counted, results["tau_align"], np.nan) * second[:, None]
     inserted = np.where(counted, results["tau_align"] + results["tau_inserted"], np.nan)
@@ -160,12 +172,13 @@ def run_devices(
         time=np.fmax.reduce(times, axis=1),
         times=times,
         force=newton * np.fmax.reduce(results["contact_force_max"], axis=1),
-        tilt=np.where(impossible, np.nan, np.fmax.reduce(results["tilt_max"], axis=1)),
+        tilt=np.where(unknown, np.nan, np.fmax.reduce(results["tilt_max"], axis=1)),
         failing=np.where(goes_in.all(axis=1), -1, np.argmin(goes_in, axis=1)),
         forces={n: newton * np.fmax.reduce(results[r], axis=1) for n, r in FORCES.items()},
-        inside=np.logical_and.reduce(at_once, axis=1),
+        inside=inside,
         insertion=np.fmax.reduce(inserted, axis=1) * second,
         impossible=impossible,
+        on_chamfers=on_chamfers,
     )
 
 

@@ -1,10 +1,10 @@
 """Yield of a device with tolerances: the share of devices that go in in every case.
 
 Devices are drawn as scrambled Sobol' points through the inverse of each quantity's distribution.
-One that starts inside the hole needs no alignment: it is drawn, and not counted. The interval of
-the share is Wilson's for independent draws, wider than that of Sobol' points. Sobol' indices say
-how much of the variance of failure and of time is due to which tolerance; their interval is that
-of a bootstrap.
+One that starts inside the hole needs no alignment: it is drawn, and not counted. One whose chamfers
+meet the hole's goes in under the press, and counts. The interval of the share is Wilson's for
+independent draws, wider than that of Sobol' points. Sobol' indices say how much of the variance of
+failure and of time is due to which tolerance; their interval is that of a bootstrap.
 """
 
 import math
@@ -71,6 +71,8 @@ class Yield(Value):
         confidence: level of confidence of the intervals.
         largest: longest "time" until alignment, largest "contact_force" and "tilt" of these; if a
             limit asks for it, the share that needs "vibration" to align.
+        on_chamfers: number of devices that go in as their chamfers meet the hole's: the press alone
+            brings them in.
     """
 
     devices: int
@@ -87,6 +89,7 @@ class Yield(Value):
     confidence: float = CONFIDENCE
     largest: Mapping[str, float] = field(default_factory=dict)
     impossible: int = 0
+    on_chamfers: int = 0
 
     def __repr__(self) -> str:
         ends = f"{100.0 * self.low:.4g} to {100.0 * self.high:.4g} %"
@@ -109,6 +112,10 @@ class Yield(Value):
                 0, f"too few of one kind to blame a tolerance: {failed:,} fail of {self.devices:,}"
             )
         return "; ".join(parts)
+
+    def meets(self, required: float) -> bool:
+        """Return whether the yield is at least this, with confidence; true if all start inside."""
+        return not self.devices or self.low >= required
 
     @property
     def share(self) -> float:
@@ -210,8 +217,8 @@ def yield_of(
     low, high = interval(going_in, counted)
     largest = results.largest
     if "vibration" in stated.limits and counted:
-        possible = results[~results.impossible].values
-        needs = need_vibration(stated, possible, settings, cores)
+        possible = results[~results.impossible]
+        needs = need_vibration(stated, possible.values, settings, cores) & ~possible.on_chamfers
         largest["vibration"] = float(needs.mean())
     sobol: tuple[SobolIndices, ...] = ()
     if indices and going_in:
@@ -228,6 +235,7 @@ def yield_of(
         runs=runs,
         sobol_indices=sobol,
         inside=inside,
+        on_chamfers=int(results.on_chamfers.sum()),
         forces={
             place: float(np.fmax.reduce(each, initial=0.0))
             for place, each in results.forces.items()

@@ -125,13 +125,22 @@ class Inputs:
         return self.parameters.given() if self.stated is None else {**self.stated.values}
 
 
-def read_inputs(arguments: argparse.Namespace, *, known_in_part: bool = False) -> Inputs:
+def read_inputs(
+    arguments: argparse.Namespace, *, known_in_part: bool = False, needless: bool = False
+) -> Inputs:
     """Return the device and the settings of a command, and warn of doubtful values.
 
     Without --device, --set changes the device of the paper's study. A device with unknown
-    quantities is refused unless it may be ``known_in_part``.
+    quantities is refused unless it may be ``known_in_part``, one that needs no alignment as stated
+    unless it may be ``needless``.
     """
     stated = _stated_device(arguments)
+    if stated is not None and stated.needless and not needless:
+        raise ValueError(
+            f"{stated.source}: {stated.needless}. There is nothing to run: `vibralign assess` "
+            "judges the device with its tolerances and limits, `vibralign map --x misalignment "
+            "FROM TO` also where the misalignment is larger"
+        )
     if stated is not None and stated.unknown and not known_in_part:
         one = next(iter(stated.unknown))
         instead = f"give each with --set {one}=VALUE; assess, design and calibrate take ranges"
@@ -151,7 +160,7 @@ def _stated_device(arguments: argparse.Namespace) -> StatedDevice | None:
         return None
     if arguments.start is not None:
         read_start({"start": arguments.start})
-    stated = load_device(arguments.device, pairs(arguments.changes, "--set"))
+    stated = load_device(arguments.device, pairs(arguments.changes, "--set"), needless=True)
     for name, quantity in (("horizon", TIME), ("insertion_depth", LENGTH)):
         if (text := getattr(arguments, name)) is not None:
             value = read_positive(name, text, quantity.unit)

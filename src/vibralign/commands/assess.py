@@ -23,14 +23,21 @@ from vibralign.commands.arguments import (
 from vibralign.commands.files import check_file, check_picture, writing
 from vibralign.commands.known import assess_in_part
 from vibralign.commands.limits import exceeded_words, limit_lines, limit_rows
+from vibralign.commands.needless import assess_needless
 from vibralign.commands.program import add_command, add_json
 from vibralign.commands.progress import ProgressLine
 from vibralign.commands.simulate import unvibrated_record
 from vibralign.commands.tables import print_json
 from vibralign.commands.tables import report_line as _line
-from vibralign.commands.yields import yield_lines, yield_record, yield_rows, yield_words
+from vibralign.commands.yields import (
+    required_words,
+    yield_lines,
+    yield_record,
+    yield_rows,
+    yield_words,
+)
 from vibralign.device.approach import Approach
-from vibralign.device.plausibility import DISTRUSTED, NoNeedError
+from vibralign.device.plausibility import DISTRUSTED
 
 if TYPE_CHECKING:
     from model.runs.settings import Settings
@@ -81,15 +88,14 @@ def add(commands: Any) -> None:
 
 
 def _assess(arguments: argparse.Namespace) -> int:
-    try:
-        given = read_inputs(arguments, known_in_part=True)
-    except NoNeedError as found:
-        return _without_need(str(found), as_json=arguments.json)
+    given = read_inputs(arguments, known_in_part=True, needless=True)
     stated, device, settings = given.stated, given.parameters, given.settings
     required, devices = _required(arguments, stated)
     _check_paths(arguments)
     if stated is not None and stated.unknown:
         return assess_in_part(arguments, given, required)
+    if stated is not None and stated.needless:
+        return assess_needless(arguments, stated, settings, required, devices)
     announce_compilation()
     from model.sweeps.settings import Ensemble  # noqa: PLC0415
     from vibralign.answers.assess import assess  # noqa: PLC0415  (only this command)
@@ -108,7 +114,7 @@ def _assess(arguments: argparse.Namespace) -> int:
             drawn, nearest = _drawn(result, stated, cases, settings, cores, devices)
     limits = limit_results(stated, result, drawn, settings) if stated is not None else ()
     kept = all(each.exceeding is None for each in limits)
-    met = drawn is None or required is None or (drawn.low >= required and kept)
+    met = drawn is None or required is None or (drawn.meets(required) and kept)
     assumed = assumptions(device, settings, given.stated, ensemble)  # not the worst approach's
     if stated is not None and not stated.base_is_stated:
         assumed["base"] = (
@@ -135,7 +141,7 @@ def _assess(arguments: argparse.Namespace) -> int:
 
     more, rest = limit_rows(limits), [*limit_lines(limits)]
     if drawn is not None and stated is not None:
-        of_yield = yield_rows(result, drawn, nearest, stated, _words_of(required, drawn, kept=kept))
+        of_yield = yield_rows(drawn, nearest, stated, required_words(required, drawn, kept=kept))
         more, rest = of_yield + more, yield_lines(drawn, nearest, stated, settings) + rest
     groups = {
         "Sheet": [_line(*row) for row in sheet_rows(result, verdict, more)],
@@ -173,26 +179,6 @@ def _check_paths(arguments: argparse.Namespace) -> None:
     for option in ("sheet", "plot"):
         if getattr(arguments, option) is not None and arguments.device is None:
             raise ValueError(f"--{option} needs --device FILE")
-
-
-def _words_of(required: float | None, drawn: "Yield", *, kept: bool) -> str:
-    """Return whether the yield of --require is met, and why not; empty without --require."""
-    if required is None:
-        return ""
-    faults = ["the yield is too low"] * (drawn.low < required) + ["a limit is exceeded"] * (
-        not kept
-    )
-    met = "met" if not faults else f"not met, as {' and '.join(faults)}"
-    return f"{100.0 * required:.4g} %: {met}"
-
-
-def _without_need(words: str, *, as_json: bool) -> int:
-    """Answer for a device whose place at the mouth says that it needs no alignment."""
-    if as_json:
-        print_json({"verdict": words, "needs_alignment": False})
-    else:
-        print(_line("verdict", words))
-    return 0
 
 
 def headline(

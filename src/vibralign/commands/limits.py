@@ -1,5 +1,6 @@
 """Limits of a device file in words: what the device has, and that it keeps or exceeds them."""
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -13,12 +14,16 @@ if TYPE_CHECKING:
 
 def limit_rows(results: "Sequence[LimitResult]") -> list[tuple[str, str]]:
     """Return the row of the sheet on all limits; none without limits."""
-    words = [
-        f"{each.name} {_value(each, each.itself)} {_against(each)}"
-        if each.exceeding is None
-        else f"{each.name} {_value(each, each.exceeding)} {_against(each)}: exceeded"
-        for each in results
-    ]
+    words = []
+    for each in results:
+        values = (each.exceeding, each.itself, each.drawn)
+        known = [v for v in values if v is not None and not math.isnan(v)]
+        exceeded = ": exceeded" if each.exceeding is not None else ""
+        words.append(
+            f"{each.name} {_value(each, known[0])} {_against(each)}{exceeded}"
+            if known
+            else f"no {each.name} is known (limit {_limit(each)})"
+        )
     kept = "all kept: " if all(each.exceeding is None for each in results) else ""
     return [("limits", f"{kept}{', '.join(words)}")] if results else []
 

@@ -77,7 +77,7 @@ def _map(arguments: argparse.Namespace) -> int:
     check_file(arguments.out, "--out", ["nc"])
     if arguments.plot is not None:
         check_picture(arguments.plot)
-    given = read_inputs(arguments)
+    given = read_inputs(arguments, needless=True)
     sweep, assumed = _sweep(arguments, given)
     announce_compilation()
     # Imported here: half a second that only this command needs.

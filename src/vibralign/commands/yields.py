@@ -14,7 +14,6 @@ from vibralign.commands.tables import report_line as _line
 
 if TYPE_CHECKING:
     from model.runs.settings import Settings
-    from vibralign.answers.assess import Assessment
     from vibralign.answers.design_trials import Check
     from vibralign.answers.yields import FailingDevice, Yield
     from vibralign.device import StatedDevice
@@ -26,13 +25,24 @@ def yield_words(drawn: "Yield | Check") -> str:
     """Return the share of drawn devices that go in, its interval and its level of confidence."""
     from vibralign.answers.yields import CONFIDENCE, interval  # noqa: PLC0415  (scipy)
 
+    if not drawn.devices:
+        return "of no device, as all that are drawn start inside the hole,"
     shares = drawn.going_in / drawn.devices, *interval(drawn.going_in, drawn.devices)
     share, low, high = (f"{100.0 * each:.4g} %" for each in shares)
     return f"{share} ({low} to {high}, {100.0 * CONFIDENCE:.4g} % confidence)"
 
 
+def required_words(required: float | None, drawn: "Yield", *, kept: bool) -> str:
+    """Return whether the yield of --require is met, and why not; empty without --require."""
+    if required is None:
+        return ""
+    faults = ["the yield is too low"] * (not drawn.meets(required))
+    faults += ["a limit is exceeded"] * (not kept)
+    met = "met" if not faults else f"not met, as {' and '.join(faults)}"
+    return f"{100.0 * required:.4g} %: {met}"
+
+
 def yield_rows(
-    result: "Assessment",
     drawn: "Yield",
     failing: "FailingDevice | None",
     stated: "StatedDevice",
@@ -42,8 +52,11 @@ def yield_rows(
     words = f"{yield_words(drawn)}: {drawn.going_in:,} of {drawn.devices:,} "
     words += "devices within the tolerances go in from every touch-down"
     rows = [("yield", words + ("" if stated.base_is_stated else ", on every base"))]
+    if drawn.on_chamfers:
+        words = f"{drawn.on_chamfers:,} of these land with chamfer on chamfer and slide in under "
+        rows.append(("on chamfers", f"{words}the press; forces on the flanks are not modelled"))
     if drawn.inside:
-        words = f"{drawn.inside} more start inside the hole and are not counted"
+        words = f"{drawn.inside:,} more start inside the hole and are not counted"
         rows.append(("inside", f"{words}: they need no alignment"))
     if drawn.impossible:
         words = f"{drawn.impossible} of these are impossible (no play, a negative friction or the "
@@ -52,7 +65,7 @@ def yield_rows(
         rows.append(("required", required))
     if drawn.blame:
         rows.append(("to blame", drawn.blame))
-    if result.failing_start is None and failing is not None:
+    if failing is not None:
         words = f"{si.named_words(failing.quantities, stated)}: deviations of up to "
         rows.append(("fails nearest", f"{words}{100.0 * failing.distance:.3g} % of the tolerances"))
     return rows

@@ -1,5 +1,6 @@
 """Reading of device files: YAML with a line NAME: VALUE for each quantity."""
 
+import contextlib
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, get_args
@@ -20,7 +21,9 @@ from vibralign.device.stated import StatedDevice, amounts_of, by_quantity, kept_
 from vibralign.device.unknown import SAMPLES, SECTION, read_unknown
 
 
-def load_device(path: Path | str, changes: Mapping[str, object] | None = None) -> StatedDevice:
+def load_device(
+    path: Path | str, changes: Mapping[str, object] | None = None, *, needless: bool = False
+) -> StatedDevice:
     """Return the device in a YAML file as it is stated.
 
     Args:
@@ -29,10 +32,11 @@ def load_device(path: Path | str, changes: Mapping[str, object] | None = None) -
             units. A changed quantity keeps its tolerance unless the text states another. A
             stiffness or damping also replaces the quantities from which it would be computed, a
             damping ratio the damping.
+        needless: return a device that needs no alignment as stated, too.
 
     Raises:
         DeviceError: the file cannot be read, is not YAML, breaks a rule, or makes no sense.
-        NoNeedError: it is a valid device, which needs no alignment.
+        NoNeedError: it is a valid device, which needs no alignment, unless ``needless``.
     """
     path, changes = Path(path), {} if changes is None else changes
     replaced = replaced_by(changes) | ({SPEED} if changes.get(SPEED) == SUDDEN else set())
@@ -64,13 +68,15 @@ def load_device(path: Path | str, changes: Mapping[str, object] | None = None) -
         # Refuses unknown and missing quantities, before anything is computed from them.
         known = {n: v for n, v in stated.quantities.items() if n not in BASE}
         device(as_parameters(with_parameters(known)))
-        stated.admitted({})
+        with contextlib.suppress(NoNeedError):
+            stated.admitted({})
         _check_tolerances(stated)
         _check_ranges("free", stated.free, stated)
         _check_ranges("unknown", stated.unknown, stated)
     except ValueError as error:
-        needless = isinstance(error, NoNeedError)
-        raise (NoNeedError if needless else DeviceError)(f"{path}: {error}") from None
+        raise DeviceError(f"{path}: {error}") from None
+    if stated.needless and not needless:
+        raise NoNeedError(f"{path}: {stated.needless}")
     return stated
 
 

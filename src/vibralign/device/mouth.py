@@ -107,6 +107,7 @@ def middle_of_face(parameters: Mapping[str, Any]) -> Any:
 _AT_ONCE: Mapping[str, float] = {
     "outcome": Outcome.ALIGNED, "reason": Reason.NONE, "tau_align": 0.0, "tau_error": 0.0,
 }  # fmt: skip
+_BY_PRESS = {**_AT_ONCE, "reason": Reason.BY_PRESS}
 _ON_FLANK: Mapping[str, float] = {
     "outcome": Outcome.LEFT_SCENE, "reason": Reason.ON_FLANK,
     **dict.fromkeys(("tau_align", "tau_error", "tau_corners_inside"), math.nan),
@@ -122,19 +123,38 @@ def judged(
     no edge and hangs in the hole. If the part of a ``chamfered`` pair meets a flank or a side, its
     alignment is not known. Both mappings hold arrays of one shape.
     """
-    found = dict(results)
-
-    def say(where: Any, what: Mapping[str, float]) -> None:
-        for name in what.keys() & found.keys():
-            found[name] = np.where(where, what[name], found[name]).astype(found[name].dtype)
-
     at_once = is_inside(parameters, parameters["initial_tilt"])
-    say(at_once & (results["tau_align"] != 0.0), _AT_ONCE)
+    found = _with(results, at_once & (results["tau_align"] != 0.0), _AT_ONCE)
     if chamfered:
         tilt = np.fmax(results["tilt_max"], np.abs(results["tilt_at_alignment"]))
         beyond = (tilt > steepest(parameters)) | (results["side_force_max"] > 0.0)
-        say(beyond & ~at_once & np.isfinite(results["tau_align"]), _ON_FLANK)
+        found = _with(found, beyond & ~at_once & np.isfinite(results["tau_align"]), _ON_FLANK)
     return found
+
+
+def judged_on_chamfers(
+    results: Mapping[str, Any], parameters: Mapping[str, Any], widths: tuple[Any, Any]
+) -> dict[str, Any]:
+    """Return the results of runs by name, changed where the part lands with flank on flank.
+
+    The press alone brings it in if it is large enough (``press_to_slide``); else it is not known
+    whether it goes in. ``widths`` are those of the chamfers of part and hole.
+    """
+    half = parameters["half_width"] + widths[0]
+    mouth = parameters["half_width"] * (1.0 + parameters["clearance"]) - widths[1]
+    tilt, bare = parameters["initial_tilt"], {"half_width": half, "clearance": mouth / half - 1.0}
+    meet = is_inside(parameters, tilt) & ~is_inside({**parameters, **bare}, tilt)
+    given = {**parameters, **bare, "misalignment": middle_of_face(parameters)}
+    slides = parameters["press_force"] > press_to_slide(given)
+    return _with(_with(results, meet & slides, _BY_PRESS), meet & ~slides, _ON_FLANK)
+
+
+def _with(results: Mapping[str, Any], where: Any, what: Mapping[str, float]) -> dict[str, Any]:
+    changed = {
+        name: np.where(where, what[name], results[name]).astype(results[name].dtype)
+        for name in what.keys() & results.keys()
+    }
+    return {**results, **changed}
 
 
 def steepest(parameters: Mapping[str, Any]) -> Any:
@@ -142,21 +162,19 @@ def steepest(parameters: Mapping[str, Any]) -> Any:
     return np.arccos(math.sqrt(0.5) / (1.0 + parameters["clearance"])) - 0.25 * math.pi
 
 
-def press_to_slide(given: Mapping[str, float]) -> float:
-    """Return the press in N above which a part whose chamfers meet slides in along a flank.
+def press_to_slide(given: Mapping[str, Any]) -> Any:
+    """Return the press above which a part whose chamfers meet slides in along a flank.
 
     The flank moves the face by the misalignment less the play, against the lateral and the tilt
-    spring in series. The press is infinite for a friction of 1 or more.
+    spring in series. The press is infinite for a friction of 1 or more. In any consistent units.
     """
-    play = given["clearance"] * given["half_width"]
-    springs = given["lateral_stiffness"], given["tilt_stiffness"]
-    arms = 1.0, given["half_height"] ** 2
-    if 0.0 in springs:
-        return 0.0
-    compliance = sum(arm / spring for arm, spring in zip(arms, springs, strict=True))
-    across = max(given["misalignment"] - play, 0.0) / compliance
-    friction = given["friction"]
-    return across * (1.0 + friction) / (1.0 - friction) if friction < 1.0 else math.inf
+    across = np.maximum(given["misalignment"] - given["clearance"] * given["half_width"], 0.0)
+    friction = np.asarray(given["friction"])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        compliance = np.divide(1.0, given["lateral_stiffness"])
+        compliance = compliance + np.divide(given["half_height"] ** 2, given["tilt_stiffness"])
+        press = across / compliance * (1.0 + friction) / (1.0 - friction)
+    return np.where(friction < 1.0, press, math.inf)
 
 
 def is_inside(parameters: Mapping[str, Any], tilt: Any) -> Any:

@@ -55,7 +55,7 @@ class DeviceError(ValueError):
 
 
 class NoNeedError(DeviceError):
-    """A device that needs no alignment: the face of the part starts within the hole."""
+    """A device that needs no alignment as stated: its face, or its chamfer, starts in the hole."""
 
 
 def check_press(force: float) -> None:
@@ -75,29 +75,32 @@ def check_place(given: Mapping[str, float]) -> None:
     """
     tilt, own = given.get(GRIPPER_TILT, 0.0), as_parameters(given)
     bare = as_parameters({name: each for name, each in given.items() if name not in CHAMFERS})
-    said = f"misalignment = {given['misalignment']:.6g} m"
+    said = f"misalignment = {1e3 * given['misalignment']:.4g} mm"
     tilted = f", tilted by {math.degrees(tilt):.3g}°" if tilt else ""
     if is_inside(bare, tilt):
         play = given["half_width"] * (1.0 + given["clearance"] - math.cos(tilt))
         raise NoNeedError(
             f"{said}: already inside at the start{tilted}: needs no alignment, misalignment <= "
-            f"clearance * half_width = {play:.6g} m; the clearance is the ratio (hole - peg) / peg "
-            "of the radii, not a length"
+            f"clearance * half_width = {1e3 * play:.4g} mm; the clearance is the ratio (hole - "
+            "peg) / peg of the radii, not a length"
             + (in_per_cent(given["clearance"]) if given["clearance"] > _WIDEST else "")
         )
     if is_inside(own, tilt):
         press = press_to_slide(given)
-        slides = "slides in" if given["press_force"] > press else "does not slide in"
+        under = f"under press_force = {given['press_force']:.4g} N the part"
+        words = f"no vibration needed, since {under} slides in along a flank of 45°"
+        if not given["press_force"] > press:
+            words = (
+                f"{under} does not slide in along a flank of 45°, nor is vibration modelled there"
+            )
         raise NoNeedError(
-            f"{said}: the chamfers meet{tilted}: no vibration needed; under press_force = "
-            f"{given['press_force']:.4g} N the part {slides} along a flank of 45°, which takes "
-            f"more than {press:.4g} N"
+            f"{said}: the chamfers meet{tilted}: {words} (that takes more than {press:.3g} N)"
         )
     wide = own["half_width"] * (1.0 + own["clearance"] + math.cos(tilt))
     if given["misalignment"] >= wide:
         raise ValueError(
-            f"{said}: must be smaller than half_width * (2 + clearance) = {wide:.6g} m, or the "
-            "part touches down wholly beside the hole"
+            f"{said}: must be smaller than half_width * (2 + clearance) = {1e3 * wide:.4g} mm, or "
+            "the part touches down wholly beside the hole"
         )
 
 

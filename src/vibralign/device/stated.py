@@ -40,6 +40,7 @@ from vibralign.device.mouth import (
     check_not_replaced,
 )
 from vibralign.device.plausibility import (
+    NoNeedError,
     check_place,
     check_press,
     doubts,
@@ -160,6 +161,15 @@ class StatedDevice(Value):
         found = device(self.resolved(changes))
         check_place(self._of_part(changes))
         return found
+
+    @property
+    def needless(self) -> str:
+        """Why the part needs no alignment at its stated values, in words; empty if it does."""
+        try:
+            self.admitted({})
+        except NoNeedError as found:
+            return str(found)
+        return ""
 
     def resolved(self, changes: Mapping[str, float]) -> dict[str, float]:
         """Return the parameters in SI units, and the units, with ``changes`` of quantities."""

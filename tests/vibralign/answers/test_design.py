@@ -58,10 +58,10 @@ def oracle(monkeypatch, fails=lambda force, friction: friction >= 0.1 + force / 
         goes_in = ~fails(force, friction)
         time = np.where(goes_in, 1.0 / force, np.nan)
         nothing = np.where(goes_in, -1, 0)
-        inside = np.zeros(force.size, bool)
+        no = np.zeros(force.size, bool)
         return DeviceResults(
             values, goes_in, time, time[:, None], 2.0 * force, 0.1 * force, nothing,
-            {"edge": force, "side": 2.0 * force}, inside, time, inside,
+            {"edge": force, "side": 2.0 * force}, no, time, no, no,
         )  # fmt: skip
 
     monkeypatch.setattr(design_trials, "run_devices", run)

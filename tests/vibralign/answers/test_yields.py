@@ -98,9 +98,9 @@ def oracle(monkeypatch, fails):
         count = len(next(iter(values.values())))
         bad = fails(values)
         times = np.where(bad, np.nan, 0.1 + np.arange(count))
-        failing, inside = np.where(bad, 1, -1), np.zeros(count, bool)
+        failing, no = np.where(bad, 1, -1), np.zeros(count, bool)
         return DeviceResults(
-            values, ~bad, times, times[:, None], times, times, failing, {}, inside, times, inside
+            values, ~bad, times, times[:, None], times, times, failing, {}, no, times, no, no
         )
 
     monkeypatch.setattr(yields, "run_devices", run)
@@ -138,9 +138,9 @@ def test_the_nearest_device_that_fails_is_by_its_largest_deviation_in_tolerances
     }
     goes_in, none = np.array([True, False, False, False]), np.zeros(4)
     failing = np.array([-1, 0, 2, 1])
-    inside = np.zeros(4, bool)
+    no = np.zeros(4, bool)
     known = DeviceResults(
-        values, goes_in, none, none[:, None], none, none, failing, {}, inside, none, inside
+        values, goes_in, none, none[:, None], none, none, failing, {}, no, none, no, no
     )
     found = nearest_failing(stated, known, STARTS)
     assert found.quantities == {"friction": 0.17, "press_force": 11.8}

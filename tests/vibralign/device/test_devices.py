@@ -83,7 +83,7 @@ def test_free_quantities_and_limits_are_read(tmp_path):
     [
         ({"press_force": -60.0}, "press_force = -60.0: must be > 0"),
         ({"press_force": 0.0}, "press_force = 0.0: must be > 0"),
-        ({"clearance": 0.2}, "misalignment = 0.0008 m: already inside at the start"),
+        ({"clearance": 0.2}, "misalignment = 0.8 mm: already inside at the start"),
         ({"misalignment": 0.0}, "already inside at the start"),
         (HERTZ | {"restitution": 0.5, "press_force": "-6 N"}, "press_force = -6.0: must be > 0"),
         ({"clearance": 0.83}, "not a length; write 0.0083, or '0.83 %', if it is in per cent"),

@@ -6,14 +6,23 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from model.engine.results import RESULTS
 from model.events.outcomes import Outcome, Reason
 from model.physics.geometry import bottom_corner, crescent, edge_place, resting_height
 from model.physics.parameters import constants_of
 from vibralign import Settings, align, load_device, simulate
+from vibralign.answers import yields
 from vibralign.commands import main as cli
-from vibralign.device.mouth import as_parameters, is_inside, judged, press_to_slide, steepest
+from vibralign.device.mouth import (
+    as_parameters,
+    is_inside,
+    judged,
+    judged_on_chamfers,
+    press_to_slide,
+    steepest,
+)
 from vibralign.device.plausibility import NoNeedError
 
 PEG = Path(__file__).resolve().parents[3] / "docs" / "peg.yaml"
@@ -132,9 +141,54 @@ def test_a_slide_along_a_flank_balances_press_friction_and_springs():
 def test_chamfers_that_meet_are_answered_before_a_run(capsys):
     line = ["--device", str(PEG), "--set", "hole_chamfer=0.5 mm"]
     assert cli.main(["assess", *line]) == cli.DONE
-    said = capsys.readouterr().out
-    assert said.startswith("verdict ")
-    assert "the chamfers meet: no vibration needed" in said
+    assert "the chamfers meet: no vibration needed" in capsys.readouterr().out
     assert cli.main(["assess", *line, "--json"]) == cli.DONE
     assert json.loads(capsys.readouterr().out)["needs_alignment"] is False
     assert cli.main(["simulate", *line]) == cli.REFUSED
+    assert "`vibralign assess` judges" in capsys.readouterr().err
+
+
+def test_a_landing_on_chamfers_is_known_if_the_press_suffices():
+    device = load_device(PEG, SUDDEN | {"misalignment": "0.9 mm", "hole_chamfer": "0.5 mm"})
+    meets = device.changed(misalignment=0.45e-3)
+    press = float(press_to_slide(meets.values)) / meets.units.force
+    results = {name: np.zeros(3) for name in RESULTS}
+    more = meets.parameters.given() | {"press_force": np.array([0.9, 1.1, 0.9]) * press}
+    more["misalignment"] = np.array([0.45e-3, 0.45e-3, 0.19e-3]) / meets.units.amplitude
+    widths = 0.0, 0.5e-3 / meets.units.amplitude
+    found = judged_on_chamfers(results, more, widths)  # the last starts inside the hole itself
+    assert found["reason"].tolist() == [Reason.ON_FLANK, Reason.BY_PRESS, Reason.NONE]
+    assert np.isnan(found["tau_align"]).tolist() == [True, False, False]
+
+
+def test_tolerances_and_limits_hold_where_chamfers_meet_as_stated(tmp_path, capsys):
+    # Chamfers meet up to 0.2 + 0.5 mm; what starts farther out is run.
+    file = tmp_path / "peg.yaml"
+    file.write_text(
+        PEG.read_text().replace("0.6 mm #", "0.6 ± 0.3 mm #")
+        + "approach_speed: sudden\ncontact_stiffness: 1 MN/m\nhole_chamfer: 0.5 mm\n"
+        "gripper_tilt: 0 deg\nlimits: {stroke: 2 mm}\n"
+    )
+    stated = load_device(file, needless=True)
+    meet = int((yields.drawn(stated, 16)["misalignment"] <= 0.7e-3).sum())
+    line = ["assess", "--device", str(file), "--devices", "16", "--tolerance", "1e-6"]
+    assert cli.main([*line, "--require", "0.01"]) == 1  # the stroke is 3 mm
+    said = capsys.readouterr().out
+    assert f"\non chamfers     {meet} of these land" in said
+    assert "exceeds the limit of stroke (3 mm > 2 mm)" in said
+    assert cli.main([*line, "--json"]) == cli.DONE
+    found = json.loads(capsys.readouterr().out)
+    assert (found["needs_alignment"], found["yield"]["devices"]) == (False, 16)
+    assert meet <= found["yield"]["going_in"]
+    with pytest.raises(NoNeedError):
+        load_device(file)
+
+
+def test_a_map_of_the_misalignment_begins_where_chamfers_meet(tmp_path):
+    line = ["--set", "hole_chamfer=0.5 mm", "--set", "approach_speed=sudden", "--resolution", "2"]
+    line += ["--x", "misalignment", "0.5 mm", "3 mm", "--y", "press_force", "6 N", "7 N"]
+    out = tmp_path / "map.nc"
+    assert cli.main(["map", "--device", str(PEG), *line, "--out", str(out)]) == cli.DONE
+    with xr.open_dataset(out) as found:
+        assert (found["tau_align"].values[:, 0] == 0.0).all()
+        assert not (found["tau_align"].values[:, 1] == 0.0).any()
