@@ -13,14 +13,15 @@ from model.engine import scheduling
 from model.engine.lane_events import lane_events_of
 from model.engine.queue import Queue, new_queue, stop
 from model.engine.results import RunResult
-from model.engine.scheduling import Memory, new_memory
+from model.engine.scheduling import MOST_RUNS, Memory, new_memory
 from model.runs.settings import Settings
 
 Array = NDArray[np.float64]
 Run = Callable[[Array, Array], Array]
 """(rows, tolerances) -> results; shapes (n, constants), (n,) and (n, fields of RunResult)."""
 
-PROGRESS = logging.getLogger("vibralign")  # logs at level INFO how many runs of a batch are done
+# Logs at level INFO how many runs of a batch have ended, and once that all have.
+PROGRESS = logging.getLogger("vibralign")
 _PAUSE = 0.5  # s, between two messages
 _RESULTS = len(RunResult._fields)
 _USUAL_TRACK = 4096  # rows; a longer one is run again with enough rows
@@ -94,13 +95,14 @@ def in_threads(work: Callable[[Queue], None], waiting: int = 1, threads: int = 1
     does not wait for them.
     """
     queue, told = new_queue(waiting, threads), PROGRESS.isEnabledFor(logging.INFO)
+    at_once = threads * min(int(queue[1]), MOST_RUNS)  # a run that ends takes the next number
     pool = ThreadPoolExecutor(threads)
     try:
         shares = [pool.submit(work, queue) for _ in range(threads)]
         while (now := wait(shares, _PAUSE if told else None, FIRST_EXCEPTION)).not_done:
             for share in now.done:
                 share.result()
-            PROGRESS.info("%s of %s runs", f"{min(queue[0], waiting):,}", f"{waiting:,}")
+            PROGRESS.info("%d of %d runs", min(max(queue[0] - at_once, 0), waiting - 1), waiting)
     except BaseException:
         stop(queue)
         raise
@@ -108,3 +110,4 @@ def in_threads(work: Callable[[Queue], None], waiting: int = 1, threads: int = 1
         pool.shutdown(wait=False, cancel_futures=True)
     for share in shares:
         share.result()
+    PROGRESS.info("%d of %d runs", waiting, waiting)

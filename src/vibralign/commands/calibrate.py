@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from vibralign.answers.si import named_words, written_words
+from vibralign.answers.si import named_words, rounded, written_words
 from vibralign.commands.arguments import add_model_options, announce_compilation, read_inputs
 from vibralign.commands.files import check_file, check_picture, writing
 from vibralign.commands.program import add_command, add_json
@@ -114,8 +114,10 @@ def report(found: "Calibration") -> list[str]:
     if not fit.fits:
         words = f"THE MODEL DOES NOT FIT THESE TRIALS: {share} (less than {100.0 * LEAST:.2g} %)"
     lines = [_line("fit", words), _line("device", device.source)]
-    chance = f"the evidence for the model is 10^{fit.odds:.1f} times that for chance"
-    lines.append(_line("trials", f"{len(found.trials)}; {chance}"))
+    more, less = ("the model", "chance")[:: 1 if fit.odds > 0.0 else -1]
+    factor = rounded(10.0 ** abs(fit.odds), 2) if abs(fit.odds) < 4.0 else f"10^{abs(fit.odds):.0f}"
+    words = f"{more} makes them {factor} times as probable as {less} does"
+    lines.append(_line("trials", f"{len(found.trials)}; {words}"))
     for number in fit.outside:
         share = f"{100.0 * fit.predicted[number]:.2g} %"
         text = f"{found.trials[number].words}: the other trials give it a probability of {share}"
@@ -127,7 +129,10 @@ def report(found: "Calibration") -> list[str]:
     effective = found.samples.effective
     words = f"effective sample size {effective:.0f} of {len(found.samples.z)} sets"
     if not found.concludes:
-        words += ": too small to conclude; narrow the ranges, or state larger errors of the times"
+        why = "narrow the ranges, or state larger errors of the times (120 ± 10 ms)"
+        if found.samples.interrupted:
+            why = "it was interrupted before more were run"
+        words += f": too small to conclude; {why}"
         lines.append(_line("posterior", words))
         return lines
     lines.append(_line("posterior", f"{words}, {found.seconds:.0f} core-seconds"))

@@ -132,17 +132,19 @@ def _forecast(trials: "Trials", generations: int, population: int) -> str:
     from vibralign.answers.design_trials import Runs  # noqa: PLC0415  (as in _design)
 
     few = replace(trials, runs=Runs())
-    middle = np.array([[0.5 * sum(ends) for ends in trials.stated.free.values()]])
-    few.quick(middle)  # compiled, or read from the cache
+    low, high = np.array(list(trials.stated.free.values())).T
+    settings = np.random.default_rng(trials.seed).uniform(low, high, (population, len(low)))
+    few.quick(settings[:1])  # compiled, or read from the cache
     began, before = time.perf_counter(), few.runs.taken
-    few.quick(middle)
+    few.quick(settings)  # as many at once as the search has
     rate = max((few.runs.taken - before) / max(time.perf_counter() - began, 1e-3), 1.0)
     most = trials.most_runs(population * (generations + 1))
     minutes = most / rate / 60.0
-    words = f"some {minutes:.0f} minutes" if minutes >= 1.0 else "less than a minute"
+    words = f"at most {minutes:.0f} minutes" if minutes >= 1.0 else "less than a minute"
     return (
-        f"at most {most:,} runs: {words}, since the first ran at {rate:,.0f} a second; fewer with "
-        "smaller --population, --generations and --devices, or with a stated base"
+        f"{words}: {most:,} runs at {rate:,.0f} a second, as the first ran, if every setting goes "
+        "in; a setting that fails takes a few runs only. Smaller --population, --generations and "
+        "--devices, or a stated base, take fewer"
     )
 
 

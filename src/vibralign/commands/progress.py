@@ -4,6 +4,7 @@ import logging
 import shutil
 import sys
 import time
+from typing import cast
 
 from model.runs.engine import PROGRESS
 
@@ -15,17 +16,21 @@ class ProgressLine(logging.Handler):
 
     def __init__(self) -> None:
         super().__init__()
-        self._terminal, self._step = sys.stderr.isatty(), ""
+        self._terminal, self._step, self._before = sys.stderr.isatty(), "", 0
         self._began = self._told = time.monotonic()
 
     def begin(self, step: str) -> None:
         """Show a step, in words."""
-        self._step = step
+        self._step, self._before = step, 0
         self._show(step)
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Show how many runs are done, as the engines say it."""
-        self._show(f"{self._step}: {record.getMessage()}")
+        """Show how many runs of the step have ended, of those in the batches so far."""
+        done, batch = cast("tuple[int, int]", record.args)
+        if done == batch:
+            self._before += batch
+        else:
+            self._show(f"{self._step}: {self._before + done:,} of {self._before + batch:,} runs")
 
     def _show(self, text: str) -> None:
         if self._terminal:

@@ -9,7 +9,7 @@ weighs this sampler against nested sampling and Markov chains.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy
@@ -35,11 +35,13 @@ class Samples(Value):
         z: normal variates of the shares of the ranges, shape (n, d).
         log_likelihood: of the sets, shape (n,).
         log_proposal: logarithm of n times the density of all proposals, shape (n,).
+        interrupted: True if there are fewer than were sought, because of an interrupt.
     """
 
     z: Floats
     log_likelihood: Floats
     log_proposal: Floats
+    interrupted: bool = False
 
     @property
     def log_ratio(self) -> Floats:
@@ -116,7 +118,7 @@ def sample(
         try:
             own = log_likelihood(values_of(new, ranges))
         except KeyboardInterrupt:
-            break
+            return replace(found, interrupted=True)
         mixtures.append((STAGE, centres, covariance))
         z = np.vstack([found.z, new])
         logs = np.append(found.log_likelihood, own)

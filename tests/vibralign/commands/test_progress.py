@@ -5,6 +5,7 @@ import sys
 import time
 
 from model.engine.queue import Queue
+from model.engine.scheduling import MOST_RUNS
 from model.runs import engine
 from vibralign.commands import main as cli
 from vibralign.commands import progress
@@ -14,8 +15,8 @@ COMMAND = ["assess", "--horizon", "3", "--tolerance", "1e-4"]
 
 
 def wait_a_moment(queue: Queue) -> None:
-    """Take 300 of 400 runs, and longer than ``engine._PAUSE``."""
-    queue[0] = 300
+    """End 30 of 400 runs, while the rest waits or runs, and longer than ``engine._PAUSE``."""
+    queue[0] = 30 + min(400, MOST_RUNS)
     time.sleep(20.0 * engine._PAUSE)
 
 
@@ -25,12 +26,13 @@ def test_steps_and_runs_replace_each_other_on_one_line_of_a_terminal(capsys, mon
     monkeypatch.setenv("COLUMNS", "40")
     with ProgressLine() as line:
         line.begin("leeways")
-        engine.in_threads(wait_a_moment, 400)
+        for _ in range(2):
+            engine.in_threads(wait_a_moment, 400)
         line.begin("a step whose name is wider than this terminal")
     err = capsys.readouterr().err
     shown = [each.removesuffix("\033[K") for each in err.split("\r")[1:]]
     assert shown[0] == "leeways"
-    assert set(shown[1:-2]) == {"leeways: 300 of 400 runs"}
+    assert set(shown[1:-2]) == {"leeways: 30 of 400 runs", "leeways: 430 of 800 runs"}
     assert shown[-2:] == ["a step whose name is wider than this te", ""]  # cleared at the end
     assert not engine.PROGRESS.isEnabledFor(logging.INFO)
 
@@ -41,7 +43,7 @@ def test_a_log_gets_a_line_every_ten_seconds(capsys, monkeypatch):
     with ProgressLine() as line:
         line.begin("leeways")
         for done in range(22):
-            engine.PROGRESS.info("%s of 22 runs", done)
+            engine.PROGRESS.info("%d of %d runs", done, 22)
     lines = capsys.readouterr().err.splitlines()
     assert lines == ["leeways: 8 of 22 runs, after 10 s", "leeways: 18 of 22 runs, after 20 s"]
 

@@ -101,4 +101,5 @@ def test_an_interrupt_leaves_what_there_is():
 
     found = posterior.sample(ranges, likelihood, target=1e6)
     assert len(found.z) == sum(calls[:2])
+    assert found.interrupted
     assert found.weights.sum() == pytest.approx(1.0)
