@@ -20,12 +20,13 @@ from vibralign.answers.leeways import ADDED, moved
 from vibralign.answers.maps import QuantityAxis, in_every_case, map_of
 from vibralign.answers.sheet import deciding
 from vibralign.device import StatedDevice
+from vibralign.device.instead import name_in
 from vibralign.doubts import DoubtWarning
 from vibralign.plots.device_sheet import device_map, render
 from vibralign.plots.style import write
 
 _AXES = ("tilt_stiffness", "press_force")  # of the map, where no two quantities decide
-_SPAN = 2.5  # an axis is value / _SPAN to value * _SPAN, where the file states no range
+_SPAN = 0.25, 2.5  # ends of an axis over the value, where the file states no range
 _STEPS = 10  # of a scan, to either side, where a value may be 0
 _COUNT = 33  # values along each side of the map
 _TOLERANCE = 1e-7  # least local error of a step
@@ -63,7 +64,8 @@ def _map(
     stated: StatedDevice, names: Sequence[str], result: Assessment, settings: Settings
 ) -> xr.Dataset:
     """Return a map over the first two of these quantities, without doubts of its far ends."""
-    x, y = (_axis(stated, name) for name in list(dict.fromkeys((*names, *_AXES)))[:2])
+    usual = (name_in(stated.quantities, name) for name in _AXES)
+    x, y = (_axis(stated, name) for name in list(dict.fromkeys((*names, *usual)))[:2])
     ensemble, cores = Ensemble(), os.cpu_count() or 1
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DoubtWarning)
@@ -77,7 +79,7 @@ def _map(
 def _axis(stated: StatedDevice, name: str) -> QuantityAxis:
     """Return an axis of the map, in SI units."""
     value = {**stated.values, **stated.quantities}[name]
-    low, high = stated.free.get(name, (value / _SPAN, value * _SPAN))
+    low, high = stated.free.get(name, (value * _SPAN[0], value * _SPAN[1]))
     if name in ADDED:
         low, high = (moved(name, value, steps) for steps in (-_STEPS, _STEPS))
     return QuantityAxis(parameter=name, start=low, stop=high, count=_COUNT)

@@ -210,12 +210,13 @@ def draw_settings(dataset: xr.Dataset, why: str = "") -> Figure:
             (all_in & ~kept, "o", style.ORANGE, "goes in, exceeds a limit"),
             (kept, "o", style.BLUE, "goes in and keeps the limits, by a quick trial"),
         ):
-            axes.plot(x[chosen], y[chosen], mark, color=colour, markersize=4, label=words)
+            if chosen.any():
+                axes.plot(x[chosen], y[chosen], mark, color=colour, markersize=4, label=words)
         words = "nearest to it" if why else "recommended"
         axes.plot(x[best], y[best], "*", color=style.VERMILLION, markersize=13, label=words)
         for set_label, each in ((axes.set_xlabel, x), (axes.set_ylabel, y)):
-            words = each.attrs["long_name"].removeprefix("setting: ")
-            set_label(f"{words} ({each.attrs['units']})".removesuffix(" (1)"))
+            name = each.attrs["long_name"].removeprefix("setting: ")
+            set_label(style.label_of(name, each.attrs["units"]))
         if why:
             axes.set_title(fill(f"Nothing found, because {why}", 80))
         axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=2)

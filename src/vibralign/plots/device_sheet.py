@@ -4,25 +4,27 @@ import base64
 import io
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from textwrap import fill
 from typing import Any
 
 import matplotlib as mpl
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon, Rectangle
 
 from model.physics.geometry import resting_height
 from model.physics.parameters import constants_of
 from model.runs.simulate import Trajectory
-from vibralign.answers.si import display, quantity_of, readable
+from vibralign.answers.si import display, named_words, quantity_of, readable
 from vibralign.device import StatedDevice
 from vibralign.device.base import BASE
-from vibralign.device.mouth import MOUTH
+from vibralign.device.mouth import GRIPPER_TILT, MOUTH
 from vibralign.device.stated import unit_of
 from vibralign.plots import style
 from vibralign.plots.history import trajectory
-from vibralign.plots.maps import stability_map
+from vibralign.plots.maps import Handle, stability_map
 from vibralign.plots.pose import Pose
 from vibralign.plots.templates import templates
 
@@ -129,8 +131,7 @@ def _drawing(stated: StatedDevice) -> Figure:
 
 def device_map(stated: StatedDevice, dataset: xr.Dataset) -> Figure:
     """Draw the map of the device, with a cross at the device and a box of its tolerances."""
-    figure = stability_map(dataset)
-    axes, drawn = figure.axes[0], readable(dataset)
+    drawn = readable(dataset)
     values: Mapping[str, float] = {**stated.values, **stated.quantities}
     y_name, x_name = map(str, dataset["outcome"].dims)
     places = []
@@ -140,12 +141,24 @@ def device_map(stated: StatedDevice, dataset: xr.Dataset) -> Figure:
         wide = 0.0 if tolerance is None else tolerance.around(own)
         places.append((one * (own - wide), one * 2.0 * wide, one * own))
     (left, wide, x), (bottom, high, y) = places
-    look: Any = {"fill": False, "edgecolor": style.VERMILLION, "linewidth": 1.5}
-    axes.add_patch(Rectangle((left, bottom), wide, high, **look))
-    axes.plot(x, y, "P", color=style.VERMILLION, markersize=8, markeredgecolor="white")
-    for set_label, each in ((axes.set_xlabel, x_name), (axes.set_ylabel, y_name)):
-        unit = str(drawn[each].attrs["units"]).replace("radian", "rad")
-        set_label(f"{each.replace('_', ' ')} ({unit})".removesuffix(" (1)"))
+
+    def mark(axes: Axes) -> list[Handle]:
+        cross: Any = {"linestyle": "none", "marker": "P", "markersize": 8, "label": "as stated"}
+        handles: list[Handle] = [
+            *axes.plot(x, y, color=style.VERMILLION, markeredgecolor="white", **cross)
+        ]
+        if wide or high:
+            look: Any = {"fill": False, "edgecolor": style.VERMILLION, "linewidth": 1.5}
+            box = Rectangle((left, bottom), wide, high, label="its tolerances", **look)
+            handles.append(axes.add_patch(box))
+        return handles
+
+    figure = stability_map(dataset, mark)
     start = f"lowered {stated.approaches()[0]}" if stated.approaches() else "sudden start"
-    axes.set_title(f"{stated.source.name}, {start}; cross: as stated, box: its tolerances")
+    words = named_words({name: values[name] for name in ("phase", GRIPPER_TILT)}, stated)
+    words = f"{stated.source.name}, {start}; one start: {words}"
+    if "reliable" in dataset and not dataset["reliable"].any():
+        words += "; from every start it goes in nowhere"
+    with style.context():
+        figure.axes[0].set_title(fill(words, 70))
     return figure

@@ -20,15 +20,19 @@ def _scaled(name: str, values: Floats, device: StatedDevice) -> tuple[Floats, st
     """Return values in the unit of the file, or in which they are read, and the axis' label."""
     usual = display(float(np.abs(values).max()), quantity_of(name)[1])
     unit, one = device.written.get(name, usual)
-    return values / one, f"{name} ({unit})" if unit else name
+    return values / one, style.label_of(name, unit)
 
 
 def doubt_map(found: Possible, device: StatedDevice) -> Figure:
     """Draw the verdicts over the two unknowns that decide most."""
     names = [each.name for each in found.unknowns][:2]
+    share, title = float(found.reliable.mean()), f"{device.source.name}: what is possible"
     with style.context():
         figure = style.new_figure(height=9.5 * CENTIMETRE)
         axes = figure.subplots()
+        if share in (0.0, 1.0):
+            which = "all" if share else "none of the"
+            title += f": reliable in {which} {found.reliable.size} sets tried"
         x, label = _scaled(names[0], found.sets[names[0]], device)
         y = np.arange(x.size) / x.size
         axes.set_xlabel(label)
@@ -42,9 +46,11 @@ def doubt_map(found: Possible, device: StatedDevice) -> Figure:
         ):  # fmt: skip
             some = found.reliable == verdict
             label = f"{words}: {100.0 * some.mean():.3g} %"
-            axes.plot(x[some], y[some], mark, color=colour, label=label, markersize=3.5)
-        axes.set_title(f"{device.source.name}: what is possible", loc="left")
-        figure.legend(loc="outside upper right", ncols=2)
+            size = 3.5 if 0.0 < share < 1.0 else 1.0
+            axes.plot(x[some], y[some], mark, color=colour, label=label, markersize=size)
+        axes.set_title(title, loc="left")
+        if 0.0 < share < 1.0:
+            figure.legend(loc="outside upper right", ncols=2)
     return figure
 
 

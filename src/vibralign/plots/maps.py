@@ -1,10 +1,11 @@
 """Stability maps, such as Figs. 13 and 14: areas, borders and contours."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.contour import QuadContourSet
@@ -23,6 +24,7 @@ from vibralign.plots import style
 from vibralign.plots.style import Bools, Floats
 
 Place = tuple[float, float]
+Handle = Patch | Line2D
 Look = Mapping[str, Any]  # keyword arguments of an artist
 
 LEFT_LABEL, NOT_IN = "of these, leaves the scene", "does not go in"
@@ -55,16 +57,19 @@ _COLOURED_SHARE = 0.99  # share of the durations that the colour scale covers
 _DECADE = (1.0, 2.0, 3.0, 5.0)  # round numbers of a logarithmic scale
 _CONTOURS = 5  # approximate number
 _CONTOUR_NODES = 128  # nodes along a side from which contours are drawn, at most
+_APART = 0.035  # share of the map, between labels of contours
 _LETTERS = 80  # of a legend in one row, at most
 _LEAST = 0.004  # share of the map; a contour around a smaller area is left out
 
 
-def stability_map(dataset: xr.Dataset) -> Figure:
+def stability_map(
+    dataset: xr.Dataset, marked: Callable[[Axes], list[Handle]] = lambda _: []
+) -> Figure:
     """Draw durations in colour where the part aligns, hatching where it does not.
 
     Dots mark where it aligns and does not go in. Contours of the duration, and the outlines of the
     reliable area and of the one that needs vibration, are drawn over it. What is in SI units is
-    drawn in mm, ms, kN/m.
+    drawn in mm, ms, kN/m. ``marked`` draws more, and returns the handles for the legend.
     """
     dataset = readable(dataset)
     durations = np.ma.masked_invalid(dataset["tau_align"].values)
@@ -95,6 +100,7 @@ def stability_map(dataset: xr.Dataset) -> Figure:
         if "unvibrated" in dataset:
             needed = dataset["unvibrated"].copy(data=added(dataset) == ONLY_VIBRATED)
             drawing.outline(needed, VIBRATION_LABEL, style.BLACK, "--")
+        drawing.handles += marked(drawing.axes)
         return drawing.with_legend()
 
 
@@ -137,15 +143,17 @@ class _Drawing:
         y, x = (dataset[str(name)] for name in dataset["outcome"].dims)
         self.x, self.y = x, y
         self.edges = style.cell_edges(x.values), style.cell_edges(y.values)
-        self.handles: list[Patch | Line2D] = []
+        self.handles: list[Handle] = []
         self.figure = style.new_figure(height=11.0 * style.CENTIMETRE)
         self.axes = self.figure.subplots()
         self.axes.grid(visible=False)
         self.axes.spines[["top", "right"]].set_visible(True)
         self.axes.set_xlim(self.edges[0][0], self.edges[0][-1])
         self.axes.set_ylim(self.edges[1][0], self.edges[1][-1])
-        self.axes.set_xlabel(style.axis_label(x))
-        self.axes.set_ylabel(style.axis_label(y))
+        for set_label, each in ((self.axes.set_xlabel, x), (self.axes.set_ylabel, y)):
+            in_si = dataset["tau_align"].attrs.get("units", "1") != "1"
+            own = style.label_of(str(each.name), each.attrs.get("units", ""))
+            set_label(own if in_si else style.axis_label(each))
 
     def with_legend(self) -> Figure:
         """Return the figure with its legend below."""
@@ -229,14 +237,18 @@ class _Drawing:
             label.set_path_effects([withStroke(linewidth=1.6, foreground="#000000AA")])
 
     def _label_places(self, lines: QuadContourSet) -> Iterator[Any]:
-        """Yield one place for each level: the middle of its longest line."""
+        """Yield a place for each level: the middle of its longest line, unless near another's."""
+        taken: list[Any] = []
         size = float(np.ptp(self.x.values)), float(np.ptp(self.y.values))
         for path in lines.get_paths():
             parts = [np.asarray(part) for part in path.to_polygons(closed_only=False)]
             lengths = [np.hypot(*(np.diff(part, axis=0) / size).T).sum() for part in parts]
             if lengths:
                 longest = parts[int(np.argmax(lengths))]
-                yield tuple(longest[len(longest) // 2])
+                place = longest[len(longest) // 2]
+                if all(np.hypot(*((place - each) / size)) > _APART for each in taken):
+                    taken.append(place)
+                    yield tuple(place)
 
     def reliable(self, inside: xr.DataArray, label: str, colour: str) -> None:
         """Outline the nodes ``inside``; on a coarser grid mark each, as a line would join them."""

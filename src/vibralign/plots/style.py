@@ -153,6 +153,11 @@ def axis_label(coordinate: "xr.DataArray") -> str:
     return label if unit == "1" else f"{label} in {unit.replace('radian', 'rad')}"
 
 
+def label_of(name: str, unit: str) -> str:
+    """Return the label of a quantity of a device file, such as "press_force (N)"."""
+    return f"{name} ({unit.replace('radian', 'rad')})" if unit not in ("", "1") else name
+
+
 def cell_edges(values: Floats) -> Floats:
     """Return the edges, shape (n + 1,), of the cells around ``values``, shape (n,) with n >= 2."""
     middles = 0.5 * (values[1:] + values[:-1])

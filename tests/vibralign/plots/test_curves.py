@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from model.events.outcomes import Outcome
 from tests.vibralign.plots.drawn import NAN, curve_lines, grid, named
 from vibralign.plots import style
-from vibralign.plots.curves import curves, jumps
+from vibralign.plots.curves import curves, draw_settings, jumps
 from vibralign.plots.style import FAILED_LABEL
 
 # --- Jumps and axes -----------------------------------------------------------------------------
@@ -75,3 +76,14 @@ def test_failed_runs_are_marked_as_such(family):
 def test_a_family_that_never_aligns_is_drawn_too(family, tmp_path):
     family["tau_align"][:] = NAN
     style.write(curves(family), tmp_path / "never.pdf")
+
+
+def test_the_legend_of_settings_names_only_what_occurs():
+    settings = xr.Dataset({"share": ("candidate", [0.0, 1.0]), "within": ("candidate", [0, 1])})
+    for name in ("press_force", "friction"):
+        attributes = {"long_name": f"setting: {name}", "units": "N" if "force" in name else "1"}
+        settings[f"setting_{name}"] = ("candidate", [1.0, 2.0], attributes)
+    axes = draw_settings(settings.assign_attrs(recommended=1)).axes[0]
+    words = [text.get_text().partition(",")[0] for text in axes.get_legend().get_texts()]
+    assert words == ["does not go in", "goes in and keeps the limits", "recommended"]
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("press_force (N)", "friction")

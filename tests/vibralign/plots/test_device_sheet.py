@@ -59,5 +59,10 @@ def test_the_cross_stands_at_the_stated_point_in_the_units_of_the_axes(tmp_path,
     own = stated.quantities
     [[x], [y]] = cross.get_data()
     assert (x, y) == pytest.approx((1e3 * own["amplitude"], 1e3 * own["misalignment"]))
+    legend = [text.get_text() for text in drawn[0].legends[0].get_texts()]
+    assert legend[-2:] == ["as stated", "its tolerances"]
+    drawn[0].draw_without_rendering()
+    title = axes.title.get_window_extent()
+    assert 0.0 <= title.x0 < title.x1 <= drawn[0].bbox.x1
     [box] = [each for each in axes.patches if isinstance(each, Rectangle)]
     assert box.get_width() == pytest.approx(2e3 * stated.tolerances["amplitude"].around(x / 1e3))

@@ -1,5 +1,7 @@
 """Maps: what no accepted picture of test_pictures.py shows, as maps of devices in SI units."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -9,7 +11,11 @@ from model.events.outcomes import Outcome, Unvibrated
 from study.plots import draw
 from tests.vibralign.plots.drawn import NAN, grid, named
 from vibralign.answers.si import readable
+from vibralign.device import load_device
+from vibralign.known.doubt import Unknown
+from vibralign.known.possible import Possible
 from vibralign.plots import style
+from vibralign.plots.known import doubt_map
 from vibralign.plots.maps import (
     ADDED_LABELS,
     RELIABLE_LABEL,
@@ -21,6 +27,7 @@ from vibralign.plots.maps import (
 from vibralign.plots.style import NOT_ALIGNED
 
 CELLS = 32
+BENCH = Path(__file__).resolve().parents[3] / "examples" / "bench.yaml"
 
 
 @pytest.fixture
@@ -145,8 +152,8 @@ def test_a_map_in_si_units_is_drawn_as_it_is_read_and_stays_in_si_units():
                      "half_width": "mm", "outcome": None, "tau_align": "ms"}  # fmt: skip
     np.testing.assert_allclose(shown.start_misalignment, [0.02, 0.055, 0.09])
     axes = stability_map(dataset).axes
-    assert axes[0].get_xlabel() == "misalignment in mm"
-    assert axes[0].get_ylabel().endswith(" in kN")
+    assert axes[0].get_xlabel() == "misalignment (mm)"
+    assert axes[0].get_ylabel().endswith("force (kN)")
     assert axes[1].get_ylabel().endswith(" in ms")
     low, high = axes[0].get_xlim()
     assert (low, high) == pytest.approx((0.015, 0.105))
@@ -167,3 +174,20 @@ def test_the_legend_of_a_map_fits_its_page(scene, verb):
     assert figure.bbox.x0 <= box.x0
     assert box.x1 <= figure.bbox.x1
     assert f"{verb} from every start, where these are tried" in words(figure)
+
+
+def test_labels_of_contours_that_lie_close_together_do_not_cover_each_other():
+    columns = np.linspace(0.0, 1.0, 33)
+    durations = np.tile(1.0 + 5.0 * np.clip(32.0 * columns - 16.0, 0.0, 1.0), (9, 1))
+    axes = stability_map(grid("map", "press_force", "tilt_stiffness", durations)).axes[0]
+    assert len(round_levels(durations.ravel())) > len(axes.texts) == 1
+
+
+@pytest.mark.parametrize(("share", "words"), [(0, "none of the"), (8, "all")])
+def test_one_verdict_for_all_that_is_possible_is_said_in_words(share, words):
+    sets = {"friction": np.linspace(0.1, 0.4, 8)}
+    unknowns = (Unknown("friction", NAN, NAN, NAN, NAN),)
+    found = Possible(sets, np.arange(8) < share, np.full(8, NAN), 16, unknowns)
+    figure = doubt_map(found, load_device(BENCH))
+    assert figure.axes[0].get_title("left").endswith(f"reliable in {words} 8 sets tried")
+    assert not figure.legends
