@@ -33,7 +33,8 @@ def test_a_map_is_written_and_drawn_for_any_device(tmp_path, capsys):
     words = "where it goes in, from the stated start, until inserted"
     assert re.search(rf"largest force +[\d.]+ to [\d.]+ {words}\n", lines)
     # Half of the press force, at most the half-width, from 1 to 5.
-    assert "inserted to a depth of 0.5 to " in assumed
+    assert "varies over the map: inserted to a depth of 0.5 (half of 1, " in assumed
+    assert "(the half-width, of 5, " in assumed
     assert {line.split()[0] for line in assumed.splitlines()} == {
         "shape", "start", "touch-down", "goal", "base", "horizon", "precision",
     }  # fmt: skip
@@ -93,7 +94,7 @@ def test_a_device_in_si_units_gets_a_map_in_si_units(tmp_path):
         units, device = load_device(Path(PEG), at).device
         expected = simulate(device, Settings(horizon=30.0, tolerance=1e-7)).tau_align * units.time
         np.testing.assert_allclose(stored["tau_align"].values[node], expected, rtol=1e-5)
-    assert "in N m/rad" in picture.read_text()
+    assert "tilt_stiffness (N m/rad)" in picture.read_text()
 
 
 def test_a_map_of_a_device_is_over_any_of_its_quantities_with_units(tmp_path, capsys, monkeypatch):
