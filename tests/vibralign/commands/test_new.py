@@ -11,6 +11,7 @@ from vibralign.device.limits import LIMITS
 from vibralign.device.stated import QUANTITIES
 
 EXAMPLES = Path(__file__).resolve().parents[3] / "docs" / "devices"
+TUTORIAL = (EXAMPLES.parent / "tutorial.md").read_text(encoding="utf-8")
 FILLED = {
     "mass": "0.25 kg", "axial_frequency": "39 Hz", "lateral_frequency": "17 Hz",
     "tilt_frequency": "36 Hz", "axial_damping_ratio": "7 %", "lateral_damping_ratio": "7 %",
@@ -25,8 +26,9 @@ def test_the_new_file_names_every_quantity_and_runs_once_it_is_filled_in(tmp_pat
     assert cli.main(["new", str(path)]) == cli.DONE
     assert f"vibralign assess --device {path}" in capsys.readouterr().out
     text = path.read_text(encoding="utf-8")
-    for name in (*QUANTITIES, *LIMITS, "materials", "free", "limits", "start", "shape"):
+    for name in (*QUANTITIES, *LIMITS, "materials", "fit", "free", "limits", "start", "shape"):
         assert re.search(rf"\b{name}\b", text), name
+        assert re.search(rf"\b{name}\b", TUTORIAL), name
     assert re.search(r"time: .* until it is aligned .*, not until it is inserted", text)
     assert cli.main(["simulate", "--device", str(path)]) == cli.REFUSED
     assert "mass is not filled in: must be a number in kg" in capsys.readouterr().err
