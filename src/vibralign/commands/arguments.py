@@ -230,5 +230,5 @@ def parameter_table(device: Parameters) -> str:
     units = [(name, unit_of(name), quantity_of(name)[0]) for name in others]
     lines += ["further quantities of a device file, or other ways to state the same ones:"]
     lines += in_columns(units)
-    lines.append("  and fit, such as H7/g6, in place of play; `vibralign new` writes a file with them")
+    lines.append("  and fit, such as H7/g6, in place of play")
     return "\n".join(lines) + "\n"

@@ -52,7 +52,7 @@ def _damping(ratio: float, mass: float, stiffness: float) -> float:
 
 # In the order in which they are computed: a damping needs the stiffness.
 INSTEAD: Mapping[str, Instead] = {
-    "diameter": Instead("half_width", "diameter of a round part, width of a square one", LENGTH, (), _half),
+    "diameter": Instead("half_width", "diameter, or width of a square part", LENGTH, (), _half),
     "length": Instead("half_height", "length of the part", LENGTH, (), _half),
     "centre_height": Instead(
         "half_height", "height of the mass centre over the bottom face", LENGTH, (), float

@@ -9,7 +9,10 @@ import xarray as xr
 from tests.vibralign.known.bench import FILE
 from vibralign import known_in_part, load_device
 from vibralign.commands import main as cli
+from vibralign.commands.calibrate import report
 from vibralign.known import posterior
+from vibralign.known.calibrate import Calibration
+from vibralign.known.fit import Fit
 from vibralign.known.possible import sets_of
 
 TABLE = """press_force [N];amplitude [mm];result [ms]
@@ -102,4 +105,13 @@ def test_an_interrupt_leaves_what_there_is():
     found = posterior.sample(ranges, likelihood, target=1e6)
     assert len(found.z) == sum(calls[:2])
     assert found.interrupted
+    for odds, words in (
+        (-1.5, "chance makes them 32 times as probable as the model does"),
+        (2.0, "the model makes them 100 times as probable as chance does"),
+        (6.2, "the model makes them 10^6 times"),
+    ):
+        fit = Fit(0.5, odds, (), np.empty((0, 3)))
+        text = "\n".join(report(Calibration(load_device(FILE), (), found, (), 1.0, fit)))
+        assert words in text
+        assert "too small to conclude; it was interrupted before more were run" in text
     assert found.weights.sum() == pytest.approx(1.0)
