@@ -128,7 +128,7 @@ def _design(arguments: argparse.Namespace) -> int:
 
 
 def _forecast(trials: "Trials", generations: int, population: int) -> str:
-    """Return how many runs a search takes at most, and how long by the time of a few."""
+    """Return how long a search takes at least and at most, by the time of a few settings."""
     from vibralign.answers.design_trials import Runs  # noqa: PLC0415  (as in _design)
 
     few = replace(trials, runs=Runs())
@@ -137,14 +137,17 @@ def _forecast(trials: "Trials", generations: int, population: int) -> str:
     few.quick(settings[:1])  # compiled, or read from the cache
     began, before = time.perf_counter(), few.runs.taken
     few.quick(settings)  # as many at once as the search has
-    rate = max((few.runs.taken - before) / max(time.perf_counter() - began, 1e-3), 1.0)
+    seconds = max(time.perf_counter() - began, 1e-3)
     most = trials.most_runs(population * (generations + 1))
-    minutes = most / rate / 60.0
-    words = f"at most {minutes:.0f} minutes" if minutes >= 1.0 else "less than a minute"
+    if few.runs.taken == before:
+        return f"at most {most:,} runs; the first settings need none, by the limits of the vibrator"
+    rate = max((few.runs.taken - before) / seconds, 1.0)
+    least, minutes = round(seconds * (generations + 1) / 60.0), round(most / rate / 60.0)
+    words = f"{max(least, 1)} to {minutes} minutes" if minutes > 1 else "a minute at most"
     return (
-        f"{words}: {most:,} runs at {rate:,.0f} a second, as the first ran, if every setting goes "
-        "in; a setting that fails takes a few runs only. Smaller --population, --generations and "
-        "--devices, or a stated base, take fewer"
+        f"{words}: if settings fail as soon as the first ones, or if all go in ({most:,} runs at "
+        f"{rate:,.0f} a second); fewer with smaller --population, --generations and --devices, or "
+        "with a stated base"
     )
 
 

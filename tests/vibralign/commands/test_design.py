@@ -2,9 +2,12 @@
 
 import json
 import re
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
+import numpy as np
 import pytest
 import xarray as xr
 
@@ -16,6 +19,7 @@ from vibralign.answers.cases import cases_of
 from vibralign.answers.design import DEVICES, GENERATIONS, POPULATION
 from vibralign.answers.reliability import run_devices
 from vibralign.answers.yields import drawn
+from vibralign.commands import design
 from vibralign.commands import main as cli
 
 PEG = Path(__file__).parents[2] / "square" / "peg.yaml"
@@ -200,3 +204,33 @@ def test_an_interrupt_of_the_search_prints_the_best_so_far(capsys, peg, tmp_path
     calls[:] = [None] * 3
     assert cli.main(given) == cli.INTERRUPTED
     assert "no setting was tried yet" in capsys.readouterr().err
+
+
+@dataclass
+class _Tried:
+    """Trials of settings that take some runs each, or none."""
+
+    each: int
+    seed: int = 0
+    runs: Any = None
+
+    @property
+    def stated(self) -> SimpleNamespace:
+        return SimpleNamespace(free={"press_force": (5.0, 20.0)})
+
+    def quick(self, points: np.ndarray) -> None:
+        self.runs.take(self.each * len(points))
+
+    def most_runs(self, settings: int) -> int:
+        return 1000 * settings
+
+
+def test_a_search_says_how_long_it_takes_at_least_and_at_most(monkeypatch):
+    now = iter([0.0, 15.0] * 2)  # 15 s for a generation of 16 settings
+    monkeypatch.setattr(design.time, "perf_counter", lambda: next(now))
+    # 11 such, 2.75 minutes; or 176,000 runs at 16 * 40 / 15 a second, 68.75 minutes
+    words = "3 to 69 minutes: if settings fail as soon as the first ones, or if all go in (176,000 "
+    assert design._forecast(_Tried(40), 10, 16).startswith(words)
+    assert design._forecast(_Tried(0), 10, 16).startswith(
+        "at most 176,000 runs; the first settings"
+    )
