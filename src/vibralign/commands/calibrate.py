@@ -101,6 +101,8 @@ def _calibrate(arguments: argparse.Namespace) -> int:
 
         with writing():
             style.write(calibration(found), arguments.plot)
+        if not arguments.json:
+            print(f"wrote {arguments.plot}")
     return int(not found.concludes)
 
 
@@ -109,7 +111,7 @@ def report(found: "Calibration") -> list[str]:
     from vibralign.known.fit import LEAST  # noqa: PLC0415  (scipy)
 
     fit, device = found.fit, found.device
-    share = f"trials of the model are as far out with a probability of {100.0 * fit.share:.2g} %"
+    share = f"trials of the model are as far out with a probability of {100.0 * fit.share:.3g} %"
     words = f"the model fits the trials: {share}"
     if not fit.fits:
         words = f"THE MODEL DOES NOT FIT THESE TRIALS: {share} (less than {100.0 * LEAST:.2g} %)"
@@ -119,7 +121,7 @@ def report(found: "Calibration") -> list[str]:
     words = f"{more} makes them {factor} times as probable as {less} does"
     lines.append(_line("trials", f"{len(found.trials)}; {words}"))
     for number in fit.outside:
-        share = f"{100.0 * fit.predicted[number]:.2g} %"
+        share = f"{100.0 * fit.predicted[number]:.3g} %"
         text = f"{found.trials[number].words}: the other trials give it a probability of {share}"
         lines.append(_line("  outside", text))
     lines += [_line("  note", each) for each in found.notes]

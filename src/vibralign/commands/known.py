@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from vibralign.known.settings import Covering
 
 _NOTHING = "no trial is worth making"
+_FEW = 8  # sets of a verdict, below which nothing is said of what decides
 
 
 def refuse_options(arguments: argparse.Namespace, command: str, *names: str) -> None:
@@ -100,13 +101,23 @@ def _worth_lines(found: "Covering") -> list[str]:
 
 
 def _unknown_lines(device: "StatedDevice") -> list[str]:
-    source = "" if device.samples is None else f", as the trials in {device.samples.name} leave it"
+    if device.samples is not None:
+        import numpy as np  # noqa: PLC0415
+
+        from vibralign.known.possible import SETS, sets_of  # noqa: PLC0415  (scipy)
+
+        after = []
+        for name, column in sets_of(device, SETS).items():
+            ends = np.quantile(column, (0.05, 0.5, 0.95)).tolist()
+            after.append((name, ", ".join(written_words(name, each, device) for each in ends)))
+        head = f"unknown, as the trials in {device.samples.name} leave it (5, 50, 95 %):"
+        return [head, *in_columns(after)]
     rows = [
         (name, " to ".join(written_words(name, end, device) for end in each),
          "log-uniform" if each.is_log else "")
         for name, each in device.unknown.items()
     ]  # fmt: skip
-    return [f"unknown{source}:", *in_columns(rows)]
+    return ["unknown:", *in_columns(rows)]
 
 
 def possible_lines(found: "Possible", device: "StatedDevice") -> list[str]:
@@ -131,7 +142,10 @@ def possible_lines(found: "Possible", device: "StatedDevice") -> list[str]:
         )
     if "vibration" in device.limits:
         lines.append(_line("not checked", "the limit of vibration, over what is possible"))
-    if 0.0 < found.share < 1.0:
+    fewest = min(int(found.reliable.sum()), int((~found.reliable).sum()))
+    if 0 < fewest < _FEW:
+        lines.append(_line("what decides", f"cannot be told: only {fewest} sets differ"))
+    elif fewest:
         lines.append(
             "what decides (first-order share of the verdict's variance, 90 % interval), and how "
             "much of the doubt goes if it is measured to a tenth of its range:"

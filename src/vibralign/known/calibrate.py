@@ -72,12 +72,18 @@ class Calibration(Value):
         return values_of(self.samples.z, self.device.unknown)
 
     def equally(self, count: int) -> dict[str, Floats]:
-        """Return ``count`` equally probable sets."""
+        """Return ``count`` equally probable sets.
+
+        Raises:
+            ValueError: the model does not fit the trials.
+        """
+        self._check_fit()
         rows = equally(self.samples.weights, count)
         return {name: column[rows] for name, column in self.sets.items()}
 
     def intervals(self, ends: Sequence[float] = (0.05, 0.5, 0.95)) -> dict[str, tuple[float, ...]]:
-        """Return quantiles of the unknowns by name."""
+        """Return quantiles of the unknowns by name; errors as ``equally``."""
+        self._check_fit()
         found = {}
         for name, column in self.sets.items():
             order = np.argsort(column)
@@ -85,6 +91,13 @@ class Calibration(Value):
             at = np.minimum(np.searchsorted(share, ends), column.size - 1)
             found[name] = tuple(column[order][at].tolist())
         return found
+
+    def _check_fit(self) -> None:
+        if not self.fit.fits:
+            raise ValueError(
+                "the model does not fit these trials, so they tell nothing of the unknowns: see "
+                "fit.outside"
+            )
 
     @property
     def piled(self) -> list[str]:

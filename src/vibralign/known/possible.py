@@ -202,9 +202,17 @@ class Possible(Value):
         return float(self.reliable.mean())
 
     @property
+    def effective(self) -> float:
+        """Effective sample size: sets that trials left are repeated by their weights."""
+        table = np.stack([*self.sets.values()])
+        counts = np.unique(table, axis=1, return_counts=True)[1]
+        return float(counts.sum() ** 2 / (counts**2).sum())
+
+    @property
     def interval(self) -> tuple[float, float]:
         """Interval of the share, of 95 % confidence."""
-        return interval(int(self.reliable.sum()), self.reliable.size)
+        count = round(self.effective)
+        return interval(round(self.share * count), count)
 
     @property
     def doubt(self) -> float:

@@ -78,7 +78,7 @@ def read_trials(device: StatedDevice, table: Any) -> list[Trial]:
     else:
         source = "trials"
         records = table.to_dict("records") if hasattr(table, "to_dict") else list(table)
-        heads = list(records[0]) if records else []
+        heads = list(dict.fromkeys(head for each in records for head in each))
         rows = [
             (i + 1, [_text(each.get(head)) for head in heads]) for i, each in enumerate(records)
         ]
@@ -154,7 +154,10 @@ def _column(head: str, device: StatedDevice) -> tuple[str, str]:
     name, unit = match[1], match[2] or ""
     if name in (RESULT, NOTE, "vibrator"):
         return name, unit
-    check_quantity(name)
+    try:
+        check_quantity(name)
+    except ValueError as error:
+        raise ValueError(f"{error}; head a column of remarks `{NOTE}`") from None
     if name in device.unknown:
         raise ValueError(
             f"column `{name}`: is unknown in {device.source}, and a trial sets it: leave it out of "
@@ -206,6 +209,10 @@ def _result(text: str) -> tuple[float | None, float, float | None]:
         return None, ERROR, read_positive(RESULT, match[1], "s") if match[1] else None
     if text.startswith((">", "≥")):
         return None, ERROR, read_positive(RESULT, text.lstrip(">≥= "), "s")
+    if not re.search(r"[^\W\d_eE]", plain(text)):
+        raise ValueError(
+            f"{RESULT} = {text!r}: has no unit; write {text} ms, or head the column `{RESULT} [ms]`"
+        )
     try:
         amount = read_amount(RESULT, text, "s")
     except ValueError as error:

@@ -58,6 +58,12 @@ def calibration(found: Calibration) -> Figure:
     """Draw the unknowns before and after, the most correlated pair, and the times of the trials."""
     names = list(found.device.unknown)
     with style.context():
+        if not found.fit.fits:
+            figure = style.new_figure(height=7.0 * CENTIMETRE)
+            _times(times := figure.subplots(), found)
+            times.set_title("the model does not fit these trials", loc="left")
+            figure.legend(*times.get_legend_handles_labels(), loc="outside lower right", ncols=3)
+            return figure
         figure = style.new_figure(height=11.0 * CENTIMETRE)
         grid = figure.add_gridspec(2, 2 * len(names))
         sets = found.equally(400)
@@ -105,11 +111,13 @@ def _times(axes: Axes, found: Calibration) -> None:
     observed = np.array([np.nan if t.time is None else 1e3 * t.time for t in found.trials])
     top = 1.3 * float(np.nanmax(np.concatenate([known, observed, [1.0]])))
     low, middle, high = np.minimum(quantiles, top).T
-    rows = np.arange(len(found.trials)) + 1
+    rows = np.array([each.row for each in found.trials])
     axes.errorbar(rows, middle, [middle - low, high - middle], fmt="_", color=style.BLUE,
                   label="predicted, 5 to 95 %")  # fmt: skip
     fails = np.isnan(observed)
     axes.plot(rows, observed, "o", color=style.VERMILLION, label="observed")
-    axes.plot(rows[fails], np.full(fails.sum(), top), "X", color=style.VERMILLION, label="failed")
-    axes.set(xlabel="trial", ylabel="alignment time (ms)")
+    if fails.any():
+        at = np.full(fails.sum(), top)
+        axes.plot(rows[fails], at, "X", color=style.VERMILLION, label="failed")
+    axes.set(xlabel="row of the table", ylabel="alignment time (ms)")
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))

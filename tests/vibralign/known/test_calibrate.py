@@ -56,7 +56,10 @@ def test_trials_become_a_device_file_that_commands_read(tmp_path, capsys):
         assert correlation == pytest.approx(
             table[0, 1] / np.sqrt(table.diagonal().prod()), abs=0.03
         )
-    assert known_in_part(out, sets=16, touch_downs_tried=4).reliable.size == 16
+    found = known_in_part(out, sets=256, touch_downs_tried=1)
+    weights = xr.load_dataset(tmp_path / "fit.nc")["weight"].values
+    assert found.effective == pytest.approx(1.0 / (weights**2).sum(), rel=0.2)
+    assert known_in_part(FILE, sets=16, touch_downs_tried=4).effective == 16.0
     (tmp_path / "fit.nc").write_bytes(b"no netCDF")
     assert cli.main(["assess", "--device", str(out)]) == cli.REFUSED
     assert "vibralign calibrate again" in capsys.readouterr().err
@@ -64,8 +67,13 @@ def test_trials_become_a_device_file_that_commands_read(tmp_path, capsys):
 
 def test_of_trials_that_do_not_fit_nothing_is_known(tmp_path, capsys):
     out = tmp_path / "fit.yaml"
-    assert cli.main(command(tmp_path, TORN, "--out", str(out))) == cli.FAILED
+    picture = tmp_path / "fit.svg"
+    more = ["--out", str(out), "--plot", str(picture)]
+    assert cli.main(command(tmp_path, TORN, *more)) == cli.FAILED
     text = capsys.readouterr().out
+    assert f"wrote {picture}" in text
+    assert "does not fit these trials" in picture.read_text()
+    assert "friction" not in picture.read_text()
     assert text.startswith("fit             THE MODEL DOES NOT FIT THESE TRIALS")
     assert "row 2" in text
     assert "nothing can be concluded" in text

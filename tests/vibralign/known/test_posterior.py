@@ -114,6 +114,9 @@ def test_the_truth_lies_within_and_contradictions_do_not_fit():
     assert len(misfit.fit.outside) >= 3
     with pytest.raises(ValueError, match="nothing can be concluded"):
         misfit.next()
+    for asked in (misfit.intervals, misfit.posterior):
+        with pytest.raises(ValueError, match="does not fit these trials"):
+            asked()
 
 
 @pytest.mark.nightly

@@ -51,16 +51,19 @@ def test_tables_of_any_spreadsheet_are_alike(tmp_path, text):
     assert one.time == pytest.approx(0.0916)
     assert one.device.quantities["press_force"] == pytest.approx(0.2)
     assert two.waited == pytest.approx(2.0)
-    rows = [{"press_force": 0.2, "result": "91.6 ms"}, {"press_force": None, "result": "fails"}]
-    first, second = read_trials(load_device(device_file(tmp_path)), rows)
+    rows = [{"press_force": 0.2, "result": "91.6 ms"}, {"press_force": None, "result": "fails"},
+            {"amplitude": "1 mm", "result": "fails"}]  # fmt: skip
+    first, second, third = read_trials(load_device(device_file(tmp_path)), rows)
     assert first.device.quantities["press_force"] == 0.2
     assert (second.setting, second.row) == ({}, 2)
+    assert third.setting == {"amplitude": "1 mm"}, "a column that the first row has not"
 
 
 HEAD = "frequency,press_force,result\n"
 FINE = "60 Hz,0.2 N,91.6 ms\n"
 REFUSED = [
-    ("frequency,preis,result\n" + FINE, ["'preis'"]),
+    ("frequency,preis,result\n" + FINE, ["'preis'", "remarks `note`"]),
+    (HEAD + FINE + "60 Hz,0.2 N,60\n", ["row 3", "has no unit", "60 ms", "`result [ms]`"]),
     ("frequency,result,result\n" + FINE, ["two columns `result`"]),
     ("frequency,press_force\n60 Hz,0.2 N\n", ["no column `result`", "press_force"]),
     ("friction,press_force,result\n0.1,0.2 N,91 ms\n", ["`friction`: is unknown"]),
