@@ -18,6 +18,7 @@ from matplotlib.patches import Patch
 
 from model.events.outcomes import Outcome
 from vibralign.answers.si import readable
+from vibralign.device.limits import OF_VIBRATOR
 from vibralign.plots import style
 from vibralign.plots.style import Bools, Floats
 
@@ -201,12 +202,15 @@ def draw_settings(dataset: xr.Dataset, why: str = "") -> Figure:
     names = [str(name) for name in dataset.data_vars if str(name).startswith("setting_")]
     x, y = readable(dataset)[names[0]], readable(dataset)[names[1] if names[1:] else "margin"]
     all_in, best = dataset["share"].values == 1.0, int(dataset.attrs["recommended"])
-    kept = dataset["within"].values == 1
+    kept, over = dataset["within"].values == 1, np.zeros_like(all_in)
+    for each in (dataset[name] for name in OF_VIBRATOR if name in dataset):
+        over |= each.values > each.attrs.get("limit", np.inf)
     with style.context():
         figure = style.new_figure(height=10.0 * style.CENTIMETRE)
         axes = figure.subplots()
         for chosen, mark, colour, words in (
-            (~all_in, "x", style.GREY, "does not go in, or not with all tolerances"),
+            (~all_in & ~over, "x", style.GREY, "does not go in, or not with all tolerances"),
+            (over, "x", style.ORANGE, "not tried: exceeds a limit of the vibrator"),
             (all_in & ~kept, "o", style.ORANGE, "goes in, exceeds a limit"),
             (kept, "o", style.BLUE, "goes in and keeps the limits, by a quick trial"),
         ):

@@ -79,11 +79,16 @@ def test_a_family_that_never_aligns_is_drawn_too(family, tmp_path):
 
 
 def test_the_legend_of_settings_names_only_what_occurs():
-    settings = xr.Dataset({"share": ("candidate", [0.0, 1.0]), "within": ("candidate", [0, 1])})
+    stroke = "candidate", [1e-3, 1e-3, 3e-3], {"units": "m", "limit": 2e-3}
+    shares = ("candidate", [0.0, 1.0, 0.0]), ("candidate", [0, 1, 0])
+    settings = xr.Dataset({"share": shares[0], "within": shares[1], "stroke": stroke})
     for name in ("press_force", "friction"):
         attributes = {"long_name": f"setting: {name}", "units": "N" if "force" in name else "1"}
-        settings[f"setting_{name}"] = ("candidate", [1.0, 2.0], attributes)
+        settings[f"setting_{name}"] = ("candidate", [1.0, 2.0, 3.0], attributes)
     axes = draw_settings(settings.assign_attrs(recommended=1)).axes[0]
     words = [text.get_text().partition(",")[0] for text in axes.get_legend().get_texts()]
-    assert words == ["does not go in", "goes in and keeps the limits", "recommended"]
+    over = "not tried: exceeds a limit of the vibrator"
+    assert words == ["does not go in", over, "goes in and keeps the limits", "recommended"]
+    (cross,) = named(axes.lines, over)
+    assert cross.get_xdata().tolist() == [3.0]
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("press_force (N)", "friction")
