@@ -14,7 +14,7 @@ from study.claims.regime import regime_of
 from study.config import load_study, study_path
 from study.config.identification import Effort, Grid, Limits
 from study.identification.batch import REST_HORIZON, REST_TOLERANCE, figures_of
-from study.identification.search import Choice, missed, result_text, search
+from study.identification.search import Choice, Objective, missed, result_text, search
 from study.identification.space import configuration, own_values, space_of, structure_of
 from tests.study.made import NAN, made
 
@@ -108,7 +108,7 @@ def test_the_chosen_points_are_the_best_of_all_combinations(space, study) -> Non
         name: random.random((1, space.places[name].stop - space.places[name].start))
         for name in others
     }
-    choice = Choice(space, space.problem.limits, structure, points, TINY)
+    choice = Choice(space, Objective(space.problem.limits), structure, points, TINY)
     alone = dict.fromkeys(others, 0)
     every = [
         choice.score({**alone, "fig06": a, "fig08": b, "fig12": c})
@@ -125,22 +125,46 @@ def limits() -> Limits:
 
 
 @pytest.mark.parametrize(
-    ("changes", "cost"),
+    ("changes", "sizes"),
     [
         ({}, 0.0),
-        ({"separations": 1}, 6.0),  # all hop: more than three times the limit
-        ({"tilt_at_alignment": 0.3}, 1.5),  # half of the limit more, of three entries
-        ({"unvibrated": 0}, 3.0),  # none rests: twice the limit
+        ({"separations": 1}, 2.0),  # all hop: more than three times the limit
+        ({"tilt_at_alignment": 0.3}, 0.5),  # half of the limit more
+        ({"unvibrated": 0}, 1.0),  # none rests: twice the limit
     ],
 )
-def test_a_limit_costs_by_how_much_it_is_missed(changes, cost) -> None:
+def test_a_limit_counts_by_how_much_it_is_missed(changes, sizes) -> None:
     regime = regime_of(made("fig06", lambda _, f: 1.0 if f <= 10.0 else NAN, **changes))
-    assert missed(limits(), "fig06", regime) == pytest.approx(cost)
+    assert missed(limits(), "fig06", regime) == pytest.approx(sizes)
+    dear = Objective(limits(), limit=9.0)
+    assert dear.missed("fig06", regime) == pytest.approx(9.0 * sizes)
+    assert Objective(None).missed("fig06", regime) == 0.0
+
+
+def test_a_figure_without_a_limit_of_hopping_may_hop() -> None:
+    regime = regime_of(made("fig06", lambda _, f: 1.0 if f <= 10.0 else NAN, separations=1))
+    free = limits().model_copy(update={"hops": {}})
+    assert missed(free, "fig06", regime, reserve=1.02) == 0.0
+
+
+def test_figures_computed_before_are_those_that_are_computed_anew(space, study) -> None:
+    structure = space.point(own_values(study, space))[space.places["structure"]]
+    random = np.random.default_rng(4)
+    points = {name: random.random((2, space.places[name].stop - space.places[name].start))
+              for name in space.figures}  # fmt: skip
+    rule = Objective(space.problem.limits)
+    anew = Choice(space, rule, structure, points, TINY)
+    first = {name: figures[0] for name, figures in anew.figures.items()}
+    again = Choice(space, rule, structure, points, TINY, first)
+    for name, figures in again.figures.items():
+        assert figures[0] is first[name]
+        for result, values in figures[1].results.items():
+            np.testing.assert_array_equal(values, anew.figures[name][1].results[result])
 
 
 def test_a_figure_that_never_aligns_misses_every_limit() -> None:
     nothing = regime_of(made("fig06", lambda _, __: NAN))
-    assert missed(limits(), "fig06", nothing) > 20.0
+    assert missed(limits(), "fig06", nothing) > 7.0
 
 
 def test_the_same_seed_ends_at_the_same_set_within_its_bounds(space) -> None:
@@ -159,13 +183,27 @@ def test_a_search_by_an_entry_that_is_none_is_refused(space) -> None:
         search(space, effort)
 
 
+def test_an_entry_of_a_conclusion_counts_as_often_as_it_is_asked_to(space, study) -> None:
+    structure = space.point(own_values(study, space))[space.places["structure"]]
+    points = {name: np.full((1, space.places[name].stop - space.places[name].start), 0.5)
+              for name in space.figures}  # fmt: skip
+    row = dict.fromkeys(points, 0)
+    for entry, weight in (("L12", 3.0), ("L01", 1.0)):  # of conclusion 1; of section 3
+        nothing, once, asked = (
+            Choice(space, Objective(None, entries, times), structure, points, TINY).score(row)
+            for entries, times in (([], 1.0), ([entry], 1.0), ([entry], 3.0))
+        )
+        assert once > nothing == 0.0
+        assert asked == pytest.approx(weight * once)
+
+
 def test_entries_held_out_judge_no_set_but_are_told(space, study) -> None:
     structure = space.point(own_values(study, space))[space.places["structure"]]
     random = np.random.default_rng(2)
     points = {name: random.random((2, space.places[name].stop - space.places[name].start))
               for name in space.figures}  # fmt: skip
     none, one, other, both = (
-        Choice(space, space.problem.limits, structure, points, TINY, entries=entries)
+        Choice(space, Objective(space.problem.limits, entries), structure, points, TINY)
         for entries in ([], ["L01"], ["L12"], ["L01", "L12"])
     )
     for row in range(2):

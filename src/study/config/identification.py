@@ -66,6 +66,10 @@ class Effort(Strict):
     """Structures made from the best ones."""
     refined: int = Field(ge=0)
     """Steps from the best one on the fine grid."""
+    dearer: float = Field(default=1.0, ge=0.0)
+    """Factor by which limits that are missed cost more on the fine grid."""
+    conclusion: float = Field(default=1.0, ge=0.0)
+    """Number of other entries that one of a numbered conclusion counts as on the fine grid."""
     entries: list[str] | None = None
     """Entries of the ledger by which it judges, the others held out; all without it."""
 

@@ -6,7 +6,7 @@ are drawn from the priors; the best are moved and mixed on a coarse grid, and re
 """
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -17,7 +17,7 @@ from scipy.stats import qmc
 
 from model.sweeps.sweep import Sweep
 from study.claims.claims import CLAIMS, Claim
-from study.claims.data import Figure
+from study.claims.data import Figure, Figures
 from study.claims.ledger import judge_claim
 from study.claims.regime import Regime, regime_of
 from study.config.identification import Effort, Grid, Limits
@@ -27,13 +27,15 @@ from study.identification.space import Array, Space, configuration
 Picked = Mapping[str, int]  # number of the operating point of each figure
 
 _PARTLY = 0.5  # of an entry, for how near its numbers come to their limits
-_LIMIT, _MOST = 3.0, 2.0  # entries that a limit missed by its whole size counts as, and the most
-_POINTS = {"rough": 3, "coarse": 5, "fine": 4}  # operating points of each figure, by grid
+_LIMIT = 3.0  # entries that a limit missed by its whole size counts as
+_MOST = 2.0  # sizes; what misses a limit by more counts as much
+_POINTS = {"rough": 3, "coarse": 5, "fine": 5}  # operating points of each figure, by grid
+_OF_ONE_RUN = 1024  # operating points at last of figures of one run, which cost next to nothing
 _STEPS = (0.02, 0.06, 0.2)  # by which operating points are changed, in widths of their priors
 _MOVES = (0.01, 0.04, 0.12)  # by which structures are
 _BEST = 8  # sets from which others are made
 _FIRST = 3  # of these are judged on the fine grid
-_RESERVE = 1.05  # of the limits there: less may be kept on another grid
+_RESERVE = 1.02  # of the limits there: less may be kept on another grid
 
 
 @dataclass(frozen=True)
@@ -42,47 +44,85 @@ class Found:
 
     Attributes:
         point: coordinates of all unknowns, shape (n,).
-        score: entries shown, and parts of others, less what limits are missed by.
+        score: entries shown, and parts of others, less what limits it misses (``Objective``).
         shown: the entries shown, held out or not.
-        regimes: of the figures, by name.
+        figures: by name, as computed on the grid where it was judged.
     """
 
     point: Array
     score: float
     shown: tuple[str, ...]
-    regimes: Mapping[str, Regime]
+    figures: Figures
+
+    @property
+    def regimes(self) -> dict[str, Regime]:
+        """Regimes of the figures, by name."""
+        return {name: regime_of(figure) for name, figure in self.figures.items()}
+
+
+@dataclass(frozen=True)
+class Objective:
+    """What a set is scored by: entries that it shows, less what limits it misses.
+
+    Attributes:
+        limits: of the regime, None to search without.
+        entries: that judge, None for all.
+        conclusion: entries that one of a conclusion counts as.
+        limit: entries that a limit missed by its whole size counts as.
+        reserve: factor of values that have a limit.
+    """
+
+    limits: Limits | None
+    entries: Collection[str] | None = None
+    conclusion: float = 1.0
+    limit: float = _LIMIT
+    reserve: float = 1.0
+
+    def missed(self, figure: str, regime: Regime) -> float:
+        """Return what the limits cost that a figure misses."""
+        return (
+            self.limit * missed(self.limits, figure, regime, self.reserve) if self.limits else 0.0
+        )
+
+    def resting(self, not_resting: Sequence[float]) -> float:
+        """Return what it costs that too large a share does not rest, in the mean of the figures."""
+        mean = self.reserve * float(np.mean([_known(share, 1.0) for share in not_resting]))
+        return self.limit * _beyond(mean, self.limits.not_resting) if self.limits else 0.0
 
 
 class Choice:
     """A structure with several operating points of each figure, of which the best are chosen.
 
-    It is judged by those of ``entries`` that read its figures only, and by the regime of these.
+    It is judged by those entries that read its figures only, and by the regime of these. ``first``
+    has the figures at the first operating points, if they were computed before.
     """
 
     def __init__(
         self,
         space: Space,
-        limits: Limits | None,
+        objective: Objective,
         structure: Array,
         points: Mapping[str, Array],
         grid: Grid,
-        reserve: float = 1.0,
-        entries: Collection[str] | None = None,
+        first: Figures | None = None,
     ) -> None:
-        self.space, self.limits, self.structure, self.points = space, limits, structure, points
-        self.reserve = reserve  # factor of values that have a limit
-        found = iter(figures_of([[sweep] for sweep in self._sweeps(grid)]))
+        self.space, self.structure, self.points = space, structure, points
+        self.objective, known = objective, first or {}
+        made = iter(figures_of([[sweep] for sweep in self._sweeps(grid, known)]))
         self.figures: Mapping[str, list[Figure]] = {
-            name: [next(found)[name] for _ in tried] for name, tried in points.items()
-        }
+            name: [known[name] if row == 0 and name in known else next(made)[name]
+                   for row in range(len(tried))]
+            for name, tried in points.items()
+        }  # fmt: skip
         self.regimes = {n: [regime_of(each) for each in made] for n, made in self.figures.items()}
         self._worths: dict[tuple[str, tuple[int, ...]], float] = {}
         self.claims = [claim for claim in CLAIMS if {*claim.figures} <= {*points}]
-        self.judges = [each for each in self.claims if entries is None or each.id in entries]
+        judges = objective.entries
+        self.judges = [each for each in self.claims if judges is None or each.id in judges]
 
-    def _sweeps(self, grid: Grid) -> Iterator[Sweep]:
+    def _sweeps(self, grid: Grid, known: Figures) -> Iterator[Sweep]:
         for name, tried in self.points.items():
-            for point in tried:
+            for point in tried[name in known :]:
                 yield self.space.sweep(self.space.values(self._whole({name: point})), name, grid)
 
     def _whole(self, points: Mapping[str, Array]) -> Array:
@@ -102,13 +142,17 @@ class Choice:
             self._worths[key] = 1.0 if found.verdict == "shown" else partly
         return self._worths[key]
 
+    def _weighed(self, claim: Claim, picked: Picked) -> float:
+        weight = self.objective.conclusion if claim.is_conclusion else 1.0
+        return weight * self._worth(claim, picked)
+
     @cached_property
     def _alone(self) -> Mapping[str, NDArray[np.float64]]:
         """Worth of each operating point of a figure by itself, shape (points,)."""
         return {
             name: np.array([
-                sum(self._worth(c, {name: row}) for c in self.judges if c.figures == (name,))
-                - missed(self.limits, name, regime, self.reserve)
+                sum(self._weighed(c, {name: row}) for c in self.judges if c.figures == (name,))
+                - self.objective.missed(name, regime)
                 for row, regime in enumerate(regimes)
             ])
             for name, regimes in self.regimes.items()
@@ -116,12 +160,10 @@ class Choice:
 
     def score(self, picked: Picked) -> float:
         """Return what operating points are worth together."""
-        total = sum(float(self._alone[name][row]) for name, row in picked.items())
-        if self.limits:
-            rests = [_known(self.regimes[n][row].not_resting, 1.0) for n, row in picked.items()]
-            mean = self.reserve * float(np.mean(rests))
-            total -= _cost(mean, self.limits.not_resting)
-        return total + sum(self._worth(c, picked) for c in self.judges if len(c.figures) > 1)
+        alone = sum(float(self._alone[name][row]) for name, row in picked.items())
+        together = sum(self._weighed(c, picked) for c in self.judges if len(c.figures) > 1)
+        rests = [self.regimes[name][row].not_resting for name, row in picked.items()]
+        return alone + together - self.objective.resting(rests)
 
     def best(self, random: Generator) -> Found:
         """Return the best choice: from several starts, one figure at a time."""
@@ -133,8 +175,8 @@ class Choice:
         picked = max(map(self._improved, [alone, *others]), key=self.score)
         shown = [claim.id for claim in self.claims if self._worth(claim, picked) == 1.0]
         point = self._whole({name: self.points[name][row] for name, row in picked.items()})
-        regimes = {name: self.regimes[name][row] for name, row in picked.items()}
-        return Found(point, self.score(picked), tuple(shown), regimes)
+        figures = {name: self.figures[name][row] for name, row in picked.items()}
+        return Found(point, self.score(picked), tuple(shown), figures)
 
     def _improved(self, picked: Picked) -> Picked:
         value = -np.inf
@@ -150,28 +192,26 @@ def _known(value: float, otherwise: float) -> float:
     return otherwise if np.isnan(value) else value
 
 
-def _cost(value: float, most: float) -> float:
-    """Return what it costs, in entries, that a value is above its limit."""
-    return _LIMIT * min(max(value / most - 1.0, 0.0), _MOST)
+def _beyond(value: float, most: float) -> float:
+    """Return by how much a value is above its limit, in sizes of the limit."""
+    return min(max(value / most - 1.0, 0.0), _MOST)
 
 
-def missed(limits: Limits | None, figure: str, of: Regime, reserve: float = 1.0) -> float:
-    """Return by how much a figure misses the limits of the regime, in entries.
+def missed(limits: Limits, figure: str, of: Regime, reserve: float = 1.0) -> float:
+    """Return by how much a figure misses the limits of the regime, in their sizes, in all.
 
     A figure that never aligns misses them as far as can be; the mean share not resting is left to
-    ``Choice.score``. Values count ``reserve`` times. Without limits it is 0.
+    ``Objective.resting``. Values count ``reserve`` times.
     """
-    if limits is None:
-        return 0.0
     ratios = (
         (_known(of.not_resting, 1.0), limits.not_resting_most),
         (_known(of.tilt, 1.0), limits.tilt),
         (1.0 - _known(of.corners, 0.0), 1.0 - limits.corners),
         (limits.aligned_least, max(of.aligned_least, 0.01)),
         (limits.aligned.get(figure, 0.0), max(of.aligned_shown, 0.01)),
-        (_known(of.lift_offs, 1.0), limits.hops.get(figure, 1.0)),
+        (_known(of.lift_offs, 1.0), limits.hops.get(figure, np.inf)),
     )
-    return sum(_cost(reserve * value, most) for value, most in ratios)
+    return sum(_beyond(reserve * value, most) for value, most in ratios)
 
 
 # --- The search -----------------------------------------------------------------------------------
@@ -187,35 +227,76 @@ def search(space: Space, effort: Effort) -> Found:
     """
     if absent := {*(effort.entries or ())} - {claim.id for claim in CLAIMS}:
         raise ValueError(f"entries: the ledger has no {', '.join(sorted(absent))}; see claims.yaml")
-    random, where = np.random.default_rng(effort.seed), space.places["structure"]
-    limits = space.problem.limits if effort.limited else None
-    low, high = space.half_widths(effort.half_width)
+    stages = _Stages(space, effort)
+    return stages.refined(stages.moved(stages.drawn()))
 
-    def judged(structure: Array, parents: Sequence[Found], grid: str) -> Found:
+
+class _Stages:
+    """The stages of a search, which share its random numbers."""
+
+    def __init__(self, space: Space, effort: Effort) -> None:
+        self.space, self.effort, self.where = space, effort, space.places["structure"]
+        self.random = np.random.default_rng(effort.seed)
+        self.ends = space.half_widths(effort.half_width)
+        self.rule = Objective(space.problem.limits if effort.limited else None, effort.entries)
+        self.fine = space.problem.grids["fine"]
+        self.at_last = replace(
+            self.rule, conclusion=effort.conclusion, limit=effort.dearer * _LIMIT, reserve=_RESERVE
+        )
+
+    def drawn(self) -> list[Found]:
+        """Draw structures from the priors; return the best on the rough grid."""
+        low, high = self.ends
+        drawn = qmc.LatinHypercube(self.where.stop, rng=self.random).random(self.effort.drawn)
+        drawn[:, 0] = low + (high - low) * drawn[:, 0]
+        return self._best([self._judged(structure, [], "rough") for structure in drawn])
+
+    def moved(self, found: list[Found]) -> list[Found]:
+        """Move structures and mix them; return the best on the coarse grid."""
+        found = [self._judged(each.point[self.where], [each], "coarse") for each in found]
+        for _ in range(self.effort.moved):
+            structure, parents = _moved(self._best(found), self.where, self.random)
+            found.append(self._judged(structure, parents, "coarse"))
+        return self._best(found)
+
+    def refined(self, found: list[Found]) -> Found:
+        """Take steps from the best set on the fine grid; every third moves the structure."""
+        # Draws of its own, so that its steps do not depend on the number of draws before.
+        self.random = np.random.default_rng([self.effort.seed, 1])
+        tried = [
+            self._judged(each.point[self.where], [each, *found], "fine") for each in found[:_FIRST]
+        ]
+        for number in range(self.effort.refined):
+            best = self._best(tried)[0]
+            if number % 3:
+                tried.append(self._changed(best, _POINTS["fine"], self.fine.counts))
+            else:
+                step = self.random.choice(_MOVES) * self.random.normal(size=self.where.stop)
+                structure = best.point[self.where] + step
+                tried.append(self._judged(structure, [best, *found], "fine"))
+        # Figures of one run cost next to nothing.
+        single = [name for name, count in self.fine.counts.items() if count == 1]
+        return self._changed(self._best(tried)[0], _OF_ONE_RUN, single)
+
+    def _judged(self, structure: Array, parents: Sequence[Found], grid: str) -> Found:
         structure = np.clip(structure, 0.0, 1.0)
-        structure[0] = np.clip(structure[0], low, high)
-        known = np.array([each.point for each in parents]).reshape(-1, len(space.names))
-        on = space.problem.grids[grid]
-        points = {n: _drawn(known[:, space.places[n]], _POINTS[grid], random) for n in on.counts}
-        reserve = _RESERVE if grid == "fine" else 1.0
-        choice = Choice(space, limits, structure, points, on, reserve, effort.entries)
-        return choice.best(random)
+        structure[0] = np.clip(structure[0], *self.ends)
+        known = np.array([each.point for each in parents]).reshape(-1, len(self.space.names))
+        on, places = self.space.problem.grids[grid], self.space.places
+        points = {n: _drawn(known[:, places[n]], _POINTS[grid], self.random) for n in on.counts}
+        rule = self.at_last if grid == "fine" else self.rule
+        return Choice(self.space, rule, structure, points, on).best(self.random)
 
-    drawn = qmc.LatinHypercube(where.stop, rng=random).random(effort.drawn)
-    drawn[:, 0] = low + (high - low) * drawn[:, 0]
-    found = _best([judged(structure, [], "rough") for structure in drawn], where)
-    found = [judged(each.point[where], [each], "coarse") for each in found]
-    for _ in range(effort.moved):
-        structure, parents = _moved(_best(found, where), where, random)
-        found.append(judged(structure, parents, "coarse"))
-    # Draws of its own, so that its steps do not depend on the number of draws before.
-    found, random = _best(found, where), np.random.default_rng([effort.seed, 1])
-    tried = [judged(each.point[where], [each, *found], "fine") for each in found[:_FIRST]]
-    for number in range(effort.refined):
-        best = _best(tried, where)[0]
-        step = (number % 2) * random.choice(_MOVES) * random.normal(size=where.stop)
-        tried.append(judged(best.point[where] + step, [best, *found], "fine"))
-    return _best(tried, where)[0]
+    def _changed(self, best: Found, count: int, names: Collection[str]) -> Found:
+        """Return the best set with other operating points of some figures."""
+        points = {name: best.point[self.space.places[name]][None] for name in self.fine.counts}
+        points |= {name: _changed(points[name][0], count, self.random) for name in names}
+        structure = best.point[self.where]
+        choice = Choice(self.space, self.at_last, structure, points, self.fine, best.figures)
+        return choice.best(self.random)
+
+    def _best(self, found: Sequence[Found]) -> list[Found]:
+        return _best(found, self.where)
 
 
 def _best(found: Sequence[Found], where: slice) -> list[Found]:
@@ -239,6 +320,17 @@ def _drawn(parents: Array, count: int, random: Generator) -> Array:
     step = random.choice(_STEPS, size=(len(of), 1))
     changed = np.clip(of + step * random.normal(size=of.shape), 0.0, 1.0)
     return np.concatenate([kept, changed, random.random((1, size))])
+
+
+def _changed(point: Array, count: int, random: Generator) -> Array:
+    """Return an operating point of a figure, changes of it and new ones, (count, unknowns).
+
+    A quarter of them are new ones, rounded down, and one at least.
+    """
+    new = max(1, count // 4)
+    step = random.choice(_STEPS, size=(count - 1 - new, 1))
+    changed = np.clip(point + step * random.normal(size=(len(step), point.size)), 0.0, 1.0)
+    return np.concatenate([point[None], changed, random.random((new, point.size))])
 
 
 def _moved(best: Sequence[Found], where: slice, random: Generator) -> tuple[Array, list[Found]]:
