@@ -27,11 +27,16 @@ def in_worst_approach(
 ) -> StatedDevice:
     """Return a device with the worst of its approaches stated.
 
-    It is found at the device's own values, from every start, on the base of a single run.
+    It is found at the device's own values, from every start, on the base of a single run; at the
+    largest misalignment within the tolerances if the device needs no alignment at its own.
     """
     if len(device.approaches()) < 2:
         return device.lowered()
     cases = [case for case in cases_of(device, ensemble) if np.isnan(case.get(OF_BASE[0], np.nan))]
-    found, _ = from_every_start(device, as_stated(device), cases, settings, cores)
+    values, tolerance = as_stated(device), device.tolerances.get("misalignment")
+    if device.needless and tolerance is not None:
+        own = device.quantities["misalignment"]
+        values = {"misalignment": np.array([own + tolerance.end(own)])}
+    found, _ = from_every_start(device, values, cases, settings, cores)
     results = {name: column[0] for name, column in found.items()}
     return device.lowered(worst_of(verdicts_on([*map(approach_of, cases)], cases, results)))

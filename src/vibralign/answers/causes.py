@@ -18,6 +18,8 @@ from vibralign.device.instead import parameter_of
 STICKS = 0.99  # share of the time
 _SOME_WAY = 0.1  # share of the way to the hole: what has come less takes ten horizons and more
 _SOFTER = (("tilt_stiffness", -1), ("friction", -1), ("amplitude", 1), ("press_force", 1))
+_OF_PARTS = {"friction", "clearance", "misalignment", "inertia", "mass", "half_width",
+             "half_height", "contact_stiffness", "contact_damping"}  # fmt: skip
 _HOLDS = (("press_force", -1), ("tilt_stiffness", 1), ("tilt_damping", 1))
 
 
@@ -57,7 +59,9 @@ def cause_of(run: Trajectory, shape: Shape) -> Cause:
         way = 100.0 * way_of(run)
         come = f"it has come {rounded(way, 2)} % of the way to the hole"
         if way < 0.0:
-            come = f"it has moved away from the hole, by {rounded(-way, 2)} % of the way"
+            times = f"{rounded(-way / 100.0, 2)} times the way"
+            far = times if way < -200.0 else f"{rounded(-way, 2)} % of the way"
+            come = f"it has moved away from the hole, by {far}"
         lifted = f"lifts off {run.separations} times" if run.separations else "never lifts off"
         if way > 100.0:
             past = (
@@ -67,7 +71,8 @@ def cause_of(run: Trajectory, shape: Shape) -> Cause:
         words = f"it slips, {lifted}, {against}"
         if run.outcome == Outcome.SETTLED:
             return Cause(f"the vibration moves it no further: {come}; {words}", _SOFTER)
-        return Cause(f"too slow: at the horizon {come}; {words}", _SOFTER)
+        slow = "too slow" if way >= 0.0 else "it does not come nearer"
+        return Cause(f"{slow}: at the horizon {come}; {words}", _SOFTER)
     if run.reason == Reason.ON_FLANK:
         words = f"the answer is not known: {why}; tilted by up to {tilt}"
         return Cause(words, (("tilt_stiffness", 1), ("press_force", -1)))
@@ -89,7 +94,9 @@ def _against(run: Trajectory, shape: Shape) -> str:
     found = _lean(run, shape)
     tilt, normal, friction = (f"{math.degrees(each):.2g}°" for each in found)
     leans = f", so that the contact leans by {normal}" if shape == "round" else ""
-    return f"tilted by at most {tilt}{leans}; by friction it slides only from {friction} on"
+    wedges = found.friction > 1.1 * math.atan(run.parameters.friction)
+    wedged = ", as the hole wedges its two tips" if wedges else ""
+    return f"tilted by at most {tilt}{leans}; by friction it slides only from {friction} on{wedged}"
 
 
 def _lean(run: Trajectory, shape: Shape) -> _Lean:
@@ -137,16 +144,21 @@ def first_change(cause: Cause, nearest: Sequence[Nearest]) -> Mapping[str, float
     """Return the change of one parameter that makes a device reliable; empty if none does.
 
     It is the first of the cause's cures that does, else the parameter that has to change least.
+    What the parts give, such as friction, comes last.
     """
     found = {parameter_of(each.parameter): each for each in nearest}
-    for name, direction in cause.cures:
-        if name in found:
-            end = found[name].above if direction > 0 else found[name].below
-            if end is not None:
-                return {found[name].parameter: end}
-    ends = [(each, end) for each in nearest for end in (each.below, each.above) if end is not None]
-    least = min(ends, key=_steps, default=None)
-    return {} if least is None else {least[0].parameter: least[1]}
+    for of_parts in (False, True):
+        for name, direction in cause.cures:
+            if name in found and (name in _OF_PARTS) == of_parts:
+                end = found[name].above if direction > 0 else found[name].below
+                if end is not None:
+                    return {found[name].parameter: end}
+        ends = [(each, end) for name, each in found.items() if (name in _OF_PARTS) == of_parts
+                for end in (each.below, each.above) if end is not None]  # fmt: skip
+        if ends:
+            each, end = min(ends, key=_steps)
+            return {each.parameter: end}
+    return {}
 
 
 def _steps(change: tuple[Nearest, float]) -> float:

@@ -177,7 +177,9 @@ class Design(Value):
             name: float(self.tried.excess({name: limit})[self.best])
             for name, limit in self.limits.items()
         }
-        found = [Limiting("limit", name, passed=each > 0.0) for name, each in excess.items()
+        known = {n: not math.isnan(self.tried.measures[n][self.best]) for n in self.limits}
+        found = [Limiting("limit", name, passed=each > 0.0 and known[name])
+                 for name, each in excess.items()
                  if not self.feasible or (each > -NEAR and name != "vibration")]  # fmt: skip
         found.sort(key=lambda each: (not each.passed, excess[each.name]))
         for name, (low, high) in self.free.items():

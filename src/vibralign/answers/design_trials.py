@@ -177,8 +177,11 @@ class Trials:
         itself = {name: np.array([stated.quantities[name]]) for name in values}
         self.runs.take(len(self.starts))
         starts = at_each_tilt(stated, self.starts)
+        drive = self._of_vibrator(np.array([list(setting.values())]))
+        of_vibrator = [float(each[0]) for each in drive.values()]
         if not are_reliable(stated, itself, starts, self.settings, self.cores)[0]:
-            return Check((0.0, 0.0, *[math.nan] * len(MEASURES)), 0, 0)
+            unknown = [math.nan] * (len(MEASURES) - len(of_vibrator))
+            return Check((0.0, 0.0, *unknown, *of_vibrator), 0, 0)
         parts, done, holds = list[DeviceResults](), 0, True
         while holds and done < self.devices:
             last = min(max(STAGE, 4 * done), self.devices)
@@ -197,10 +200,9 @@ class Trials:
             margin = failing.distance
         possible = whole[~whole.impossible].values
         needs = float(self._needs_vibration(possible, (1, int((~whole.impossible).sum())))[0])
-        drive = self._of_vibrator(np.array([list(setting.values())]))
         going_in = int(whole.goes_in.sum())
         forces = {place: float(np.fmax.reduce(each)) for place, each in whole.forces.items()}
-        largest = *whole.largest.values(), needs, *(float(each[0]) for each in drive.values())
+        largest = *whole.largest.values(), needs, *of_vibrator
         row = (going_in / done, margin, *largest)
         return Check(row, done, going_in, forces)
 

@@ -7,7 +7,7 @@ from model.physics.parameters import Parameters, Shape, constants_of
 from model.physics.quantities import ANGLE, LENGTH
 from model.physics.units import Units
 from model.runs.settings import Settings
-from vibralign.answers.si import in_words, scale
+from vibralign.answers.si import in_words, rounded, scale
 
 _PLACES: dict[Shape, str] = {"square": "the far edge", "round": "the tips of the crescent"}
 _STANDS = 0.01  # doubt of the lever that is worth a line
@@ -28,7 +28,7 @@ def lever_words(parameters: Parameters, settings: Settings, units: Units | None)
         lines.append(f"{'tilts':<16}{words}")
         doubt = lever_doubt(p)
         if _STANDS < doubt < math.inf:
-            words = f"if the rims yield, the lever is up to {100.0 * doubt:.2g} % longer"
+            words = f"if the rims yield, the lever is up to {rounded(100.0 * doubt, 2)} % longer"
             lines.append(f"{'soft base':<16}{words}")
     return lines
 

@@ -15,13 +15,13 @@ from vibralign.answers.si import (
     in_words,
     quantity_of,
     range_words,
-    rounded,
     si_words,
     written_words,
 )
 from vibralign.answers.verdicts import Verdict
 from vibralign.device import StatedDevice
 from vibralign.device.approach import SPEED
+from vibralign.device.base import restitution_at
 from vibralign.device.mouth import GRIPPER_TILT
 
 if TYPE_CHECKING:
@@ -57,10 +57,7 @@ def sheet_rows(
     device, settings = result.device, result.settings or Settings()
     stated = device if isinstance(device, StatedDevice) else None
     units = None if stated is None else stated.units
-    source = "the paper's, dimensionless (no --device)"
-    if stated is not None:
-        source = f"{source_words(stated)}: {part_words(stated)}"
-    rows = [("device", source), ("verdict", verdict or verdict_words(result))]
+    rows = [("device", device_words(stated)), ("verdict", verdict or verdict_words(result))]
     rows.append((SUCCESS_TEXT[settings.success], _tried(result)))
     if result.failing_start is not None:
         rows += [("for example", _example(result, stated)), ("cause", result.cause)]
@@ -79,6 +76,13 @@ def sheet_rows(
     return [*rows, ("numbers", f"{words}itself is not included")]
 
 
+def device_words(stated: StatedDevice | None) -> str:
+    """Return the file of a device and what the part is."""
+    if stated is None:
+        return "the paper's, dimensionless (no --device)"
+    return f"{source_words(stated)}: {part_words(stated)}"
+
+
 def part_words(stated: StatedDevice) -> str:
     """Return shape, size and place of a part, in the units of its file."""
     given = {**stated.values, **stated.quantities}
@@ -87,18 +91,10 @@ def part_words(stated: StatedDevice) -> str:
         for name in instead:
             if name in stated.quantities:
                 return written_words(name, given[name], stated, DIGITS)
-        unit, one = stated.written.get(parameter, ("", 1.0))
-        value = times * given[parameter]
-        own = f"{rounded(value / one, DIGITS)} {unit}"
-        return own if unit else si_words(value, quantity_of(parameter), DIGITS)
+        return written_words(parameter, times * given[parameter], stated, DIGITS)
 
     play = 2.0 * given["clearance"] * given["half_width"]
-    unit, one = stated.written.get("play", ("", 1.0))
-    gap = (
-        f"{rounded(play / one, DIGITS)} {unit}"
-        if unit
-        else si_words(play, quantity_of("play"), DIGITS)
-    )
+    gap = written_words("play", play, stated, DIGITS)
     return (
         f"{stated.shape}, {words('half_width', 'diameter', times=2.0)} by "
         f"{words('half_height', 'length', times=2.0)}, play {gap}, "
@@ -111,7 +107,8 @@ def change_words(result: "Assessment") -> str:
     words = " and ".join(f"{n} to {value_words(result, n, v)}" for n, v in result.change.items())
     borders = [{each.parameter: v} for each in result.nearest for v in (each.below, each.above)]
     tried = "tried; 6 % further it is not" if result.change in borders else "tried"
-    return f"{words}: with it, it is reliable ({tried})"
+    with_it = "with both" if len(result.change) > 1 else "with it"
+    return f"{words}: {with_it}, it is reliable ({tried})"
 
 
 def value_words(result: "Assessment", name: str, value: float, digits: int = 4) -> str:
@@ -242,9 +239,13 @@ def _not_stated(result: "Assessment", stated: StatedDevice) -> str:
         open_ones[GRIPPER_TILT] = result.tilts
     if stated.stated_shape is None:
         open_ones["shape"] = ()
+    impact = ""
+    if stated.base_is_stated and not stated.quantities.keys() & {"restitution", "contact_damping"}:
+        taken = restitution_at(stated.parameters, stated.shape)
+        impact = f"restitution, taken as {taken:.2g}: state it if impacts are known"
     if not open_ones:
-        return "nothing: approach, base and gripper's tilt are stated"
-    words = f"{', '.join(open_ones)}: tried as above"
+        return impact or "nothing: approach, base and gripper's tilt are stated"
+    words = f"{impact and f'{impact}; '}{', '.join(open_ones)}: tried as above"
     tried = {name: each for name, each in open_ones.items() if len(each) > 1}
     if not tried:
         return words

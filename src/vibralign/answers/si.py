@@ -40,6 +40,7 @@ _LARGE = {
 }  # fmt: skip
 _MICRO, _FINE = ("µm", 1e-6), 1e-4  # in drawings: of lengths that are all below 0.1 mm
 _SHOWN = {each.unit: each for each in (LENGTH, TIME, SPEED, STIFFNESS, FORCE)}
+_FAR = 30.0  # ratio of two values from which each is printed in its own unit
 DIGITS = 4
 
 
@@ -77,7 +78,11 @@ def rounded(value: float, digits: int = DIGITS) -> str:
 def si_list(
     values: Sequence[float], quantity: Quantity, between: str = ", ", digits: int = DIGITS
 ) -> str:
-    """Return values in SI units, in the unit of the largest."""
+    """Return values in SI units, in the unit of the largest; two far apart in their own units."""
+    sizes = [abs(each) for each in values if each]
+    units = {_printed_in(each, quantity) for each in sizes}
+    if len(sizes) == len(units) == 2 and max(sizes) > _FAR * min(sizes):
+        return between.join(si_words(each, quantity, digits) for each in values)
     unit, one = _printed_in(max(values, key=abs), quantity)
     return f"{between.join(rounded(value / one, digits) for value in values)} {unit}".rstrip()
 

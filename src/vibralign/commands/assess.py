@@ -15,6 +15,7 @@ from vibralign.answers.assumptions import assumptions, lines_of
 from vibralign.answers.forces import tip_record
 from vibralign.answers.lever import lever_record
 from vibralign.commands.arguments import (
+    Inputs,
     add_model_options,
     announce_compilation,
     number,
@@ -23,7 +24,7 @@ from vibralign.commands.arguments import (
 from vibralign.commands.files import check_file, check_picture, writing
 from vibralign.commands.known import assess_in_part
 from vibralign.commands.limits import exceeded_words, limit_lines, limit_rows
-from vibralign.commands.needless import assess_needless
+from vibralign.commands.next_step import map_words
 from vibralign.commands.program import add_command, add_json
 from vibralign.commands.progress import ProgressLine
 from vibralign.commands.simulate import unvibrated_record
@@ -91,61 +92,68 @@ def _assess(arguments: argparse.Namespace) -> int:
     given = read_inputs(arguments, known_in_part=True, needless=True)
     stated, device, settings = given.stated, given.parameters, given.settings
     required, devices = _required(arguments, stated)
-    _check_paths(arguments)
+    needless = "" if stated is None or stated.unknown else stated.needless
+    _check_paths(arguments, needless)
     if stated is not None and stated.unknown:
         return assess_in_part(arguments, given, required)
-    if stated is not None and stated.needless:
-        return assess_needless(arguments, stated, settings, required, devices)
     announce_compilation()
     from model.sweeps.settings import Ensemble  # noqa: PLC0415
+    from vibralign.answers.approaches import in_worst_approach  # noqa: PLC0415
     from vibralign.answers.assess import assess  # noqa: PLC0415  (only this command)
     from vibralign.answers.cases import cases_of  # noqa: PLC0415
     from vibralign.answers.limits import limit_results  # noqa: PLC0415
 
     ensemble, cores = Ensemble(), os.cpu_count() or 1
-    drawn, nearest = None, None
+    result, drawn, nearest = None, None, None
     with ProgressLine() as line:
-        line.begin("starts, bases and leeways")
-        result = assess(stated or device, settings, ensemble, cores, bases=arguments.bases)
+        if not needless:
+            line.begin("starts, bases and leeways")
+            result = assess(stated or device, settings, ensemble, cores, bases=arguments.bases)
         if stated is not None and stated.tolerances:
             line.begin("devices within the tolerances")
-            stated = stated.lowered(result.worst)
+            worst = result and stated.lowered(result.worst)
+            stated = worst or in_worst_approach(stated, settings, ensemble, cores)
             cases = cases_of(stated, ensemble, varied=stated.tolerances)
             drawn, nearest = _drawn(result, stated, cases, settings, cores, devices)
     limits = limit_results(stated, result, drawn, settings) if stated is not None else ()
     kept = all(each.exceeding is None for each in limits)
     met = drawn is None or required is None or (drawn.meets(required) and kept)
     assumed = assumptions(device, settings, given.stated, ensemble)  # not the worst approach's
-    if stated is not None and not stated.base_is_stated:
+    if stated is not None and result is not None and not stated.base_is_stated:
         assumed["base"] = (
             f"worst of {len(result.bases)} that are tried, this one first: " + (assumed["base"])
         )
-    verdict = headline(result, drawn, limits)
-    if stated is not None and any(DISTRUSTED in each for each in stated.doubts):
-        verdict += f"; {DISTRUSTED}: the base is soft"
+    verdict = headline(result, drawn, limits, needless)
+    soft = (
+        [] if stated is None or needless else [each for each in stated.doubts if DISTRUSTED in each]
+    )
+    verdict += f"; {DISTRUSTED}: the base is soft" if soft else ""
     if arguments.json:
         print_json(
-            _record(result, given.units)
-            | tip_record(result.forces.get("edge", 0.0) * si.scale(given.units, FORCE), settings)
+            (_record(result, given, settings) if result else {"needs_alignment": False})
             | {"verdict": verdict}
-            | unvibrated_record(device, settings)
-            | si.natural_record(device, given.units)
-            | lever_record(device, settings, given.units)
             | {"yield": drawn and stated and yield_record(drawn, nearest, stated, settings)}
             | {"limits": [asdict(each) | {"kept": each.exceeding is None} for each in limits]}
             | {"assumptions": assumed}
         )
         return int(not met)
-    from vibralign.answers.sheet import sheet_rows  # noqa: PLC0415  (as above)
+    from vibralign.answers.sheet import device_words, sheet_rows  # noqa: PLC0415  (as above)
     from vibralign.commands.details import leeway_lines, verdict_lines  # noqa: PLC0415
 
     more, rest = limit_rows(limits), [*limit_lines(limits)]
+    more += [("to trust it", each.partition(f"{DISTRUSTED}: ")[2]) for each in soft]
+    if stated and result and result.failing_start is not None and not result.change:
+        more = [("next", map_words(stated)), *more]
     if drawn is not None and stated is not None:
         of_yield = yield_rows(drawn, nearest, stated, required_words(required, drawn, kept=kept))
         more, rest = of_yield + more, yield_lines(drawn, nearest, stated, settings) + rest
+    rows, details = [("device", device_words(stated)), ("verdict", verdict), *more], []
+    if result is not None:
+        rows, details = sheet_rows(result, verdict, more), leeway_lines(result)
+        details = [*verdict_lines(result, given.units, device, settings), *details]
     groups = {
-        "Sheet": [_line(*row) for row in sheet_rows(result, verdict, more)],
-        "Details": [*verdict_lines(result, given.units, device, settings), *leeway_lines(result)],
+        "Sheet": [_line(*row) for row in rows],
+        "Details": details,
         "Yield and limits": rest,
         "Assumptions": lines_of(assumed),
     }
@@ -153,8 +161,9 @@ def _assess(arguments: argparse.Namespace) -> int:
     print("\n".join(line for lines in shown for line in lines))
     if not arguments.details:
         words = "--details (every approach, base and tilt, all leeways, what is assumed), "
-        print(_line("more", words + "--plot FILE, --sheet FILE, --json"))
-    if arguments.sheet is not None or arguments.plot is not None:
+        words += "--plot FILE, --sheet FILE, --json"
+        print(_line("more", words if result else "--details (forces, what is assumed), --json"))
+    if result is not None and (arguments.sheet is not None or arguments.plot is not None):
         from vibralign.commands import sheet  # noqa: PLC0415  (as above)
 
         good = result.reliable and kept and (drawn is None or drawn.share == 1.0)
@@ -170,7 +179,7 @@ def _assess(arguments: argparse.Namespace) -> int:
     return int(not met)
 
 
-def _check_paths(arguments: argparse.Namespace) -> None:
+def _check_paths(arguments: argparse.Namespace, needless: str) -> None:
     if arguments.sheet is not None:
         check_file(arguments.sheet, "--sheet", ["html"])
         check_picture(arguments.sheet.with_suffix(".png"), "--sheet")
@@ -179,18 +188,26 @@ def _check_paths(arguments: argparse.Namespace) -> None:
     for option in ("sheet", "plot"):
         if getattr(arguments, option) is not None and arguments.device is None:
             raise ValueError(f"--{option} needs --device FILE")
+        if getattr(arguments, option) is not None and needless:
+            raise ValueError(
+                f"--{option}: there is no run to draw, as {needless}; `vibralign map --x "
+                "misalignment FROM TO` draws beyond"
+            )
 
 
 def headline(
-    result: "Assessment", drawn: "Yield | Check | None", limits: "Sequence[LimitResult]" = ()
+    result: "Assessment | None",
+    drawn: "Yield | Check | None",
+    limits: "Sequence[LimitResult]" = (),
+    needless: str = "",
 ) -> str:
     """Return the verdict on a device at its stated values, and within its tolerances."""
     from vibralign.answers.sheet import verdict_words  # noqa: PLC0415  (as in _assess)
 
-    words = verdict_words(result)
+    words = verdict_words(result) if result else needless
     exceeds, drawn_exceed = (exceeded_words(limits, only_drawn=only) for only in (False, True))
     if exceeds:
-        words += f", {'but' if result.reliable else 'and'} {exceeds}"
+        words += f", {'and' if result and not result.reliable else 'but'} {exceeds}"
     if drawn is None:
         return f"{words}; no tolerances are stated"
     words += f"; yield {yield_words(drawn)} under the tolerances"
@@ -215,7 +232,7 @@ def _required(
 
 
 def _drawn(
-    result: "Assessment",
+    result: "Assessment | None",
     stated: "StatedDevice",
     cases: "Starts",
     settings: "Settings",
@@ -227,18 +244,19 @@ def _drawn(
     from vibralign.answers.reliability import STATISTICAL_TOLERANCE  # noqa: PLC0415
 
     settings = replace(settings, tolerance=max(settings.tolerance, STATISTICAL_TOLERANCE))
-    if not result.aligned:
+    if result is not None and not result.aligned:
         devices = min(devices, _FEW)
     drawn, results = yields.yield_of(stated, cases, settings, cores, devices=devices)
-    if result.failing_start is not None:
+    if result is not None and result.failing_start is not None:
         return drawn, None
     return drawn, yields.nearest_failing(stated, results, cases)
 
 
-def _record(result: "Assessment", units: Units | None) -> dict[str, Any]:
-    """Return the assessment for --json, in SI units for a device with ``units``."""
+def _record(result: "Assessment", given: Inputs, settings: "Settings") -> dict[str, Any]:
+    """Return the assessment for --json, in SI units for a device of a file."""
     from vibralign.answers.sheet import texts, value_words  # noqa: PLC0415  (as in _assess)
 
+    units, device = given.units, given.parameters
     shown = {n: v for n, v in vars_of(result).items() if n not in ("device", "settings")}
     shown["leeways"], shown["nearest"] = (
         [asdict(each) | {"as_stated": texts(result, each)} for each in shown[name]]
@@ -265,6 +283,10 @@ def _record(result: "Assessment", units: Units | None) -> dict[str, Any]:
         **{n: [_of_verdict(each, units) for each in shown[n]]
            for n in ("bases", "tilts", "approaches")},
         **{n: each and each._asdict() for n, each in approaches.items()},
+        **tip_record(result.forces.get("edge", 0.0) * si.scale(units, FORCE), settings),
+        **unvibrated_record(device, settings),
+        **si.natural_record(device, units),
+        **lever_record(device, settings, units),
     }  # fmt: skip
 
 

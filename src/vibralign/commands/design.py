@@ -114,7 +114,7 @@ def _design(arguments: argparse.Namespace) -> int:
         raise
     assumed = assumptions_with(
         trials.stated, design.setting, given.settings, Ensemble(),
-        tolerances_assumed=trials.stated is not given.stated,
+        tolerances_assumed=not given.stated.tolerances,
     )  # fmt: skip
     if not arguments.json:
         print("\n".join(report(answer)), flush=True)

@@ -1,5 +1,6 @@
 """Words and records of ``vibralign design``: a design, what limits it, and what was changed."""
 
+import math
 import shlex
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -8,6 +9,7 @@ from vibralign.answers.forces import forces_words
 from vibralign.answers.si import named_words, si_words, written_words
 from vibralign.commands.arguments import set_options
 from vibralign.commands.assess import headline
+from vibralign.commands.next_step import map_words
 from vibralign.commands.tables import in_columns
 from vibralign.device.limits import LIMITS, OF_VIBRATOR, VIBRATION
 
@@ -81,18 +83,22 @@ def report(answer: Answer) -> list[str]:
     if answer.assessed.cause:
         lines.append(_line("cause", answer.assessed.cause))
     if answer.assessed.change:
-        words = f"{named_words(answer.assessed.change, stated)}: with it, it is reliable (tried)"
-        lines.append(_line("first to change", words))
+        words = f"{named_words(answer.assessed.change, stated)}: so it goes in as stated (tried, "
+        lines.append(_line("first to change", f"{words}without tolerances)"))
+    elif not tried.share[best] > 0.0:
+        lines.append(_line("next", map_words(stated.changed(**design.setting))))
     words = f"with deviations of {margin:.3g} times the tolerances"
     words = words if margin < 3.0 else "none within three times the tolerances"
-    lines += [_line("nearest failure", words), *_largest(answer)]
+    lines += [_line("nearest failure", words)] if margin > 0.0 else []
+    lines += _largest(answer)
     if "vibration" in design.limits:
         share, asked = tried.measures["vibration"][best], _asked(design.limits["vibration"])
         words = f"needed by {100.0 * share:.3g} % of the devices within the tolerances"
         lines.append(_line("vibration", f"{words} (limit: {asked})"))
     words = f"{tried.share.size} settings quickly, {len(design.checks)} as assess checks them"
     if design.check is not None:
-        words += f", this one with {design.check.devices:,} devices"
+        drawn = f"{design.check.devices:,} devices" if design.check.devices else "none drawn"
+        words += f", this one with {drawn}"
     return [*lines, _line("tried", words)]
 
 
@@ -141,6 +147,8 @@ def _largest(answer: Answer) -> list[str]:
         if limit is None and name in OF_VIBRATOR:
             continue
         most = "" if limit is None else f" (limit {si_words(limit, quantity)})"
+        if math.isnan(design.tried.measures[name][design.best]):  # nothing goes in
+            continue
         if name == "time":  # what does not go in has none
             most = f" until alignment{', of the runs that go in' if some_fail else ''}{most}"
         value = si_words(float(design.tried.measures[name][design.best]), quantity)

@@ -2,11 +2,12 @@
 
 import argparse
 import os
+import shlex
 from typing import TYPE_CHECKING, Any
 
 from model.physics.quantities import TIME
 from vibralign.answers.si import named_words, si_list, written_words
-from vibralign.commands.arguments import Inputs, announce_compilation
+from vibralign.commands.arguments import Inputs, announce_compilation, set_options
 from vibralign.commands.files import check_picture, writing
 from vibralign.commands.progress import ProgressLine
 from vibralign.commands.tables import in_columns, print_json
@@ -140,6 +141,12 @@ def possible_lines(found: "Possible", device: "StatedDevice") -> list[str]:
         lines.append(
             _line("longest time", f"{times} until aligned (5, 50, 95 % of the reliable sets)")
         )
+    if not found.reliable.any():
+        middle = {name: written_words(name, device.quantities[name], device)
+                  for name in device.unknown}  # fmt: skip
+        words = " ".join(set_options({**device.changes, **middle}).values())
+        command = f"vibralign assess --device {shlex.quote(str(device.source))} {words}"
+        lines.append(_line("next", f"the cause in the middle of the ranges: `{command}`"))
     if "vibration" in device.limits:
         lines.append(_line("not checked", "the limit of vibration, over what is possible"))
     fewest = min(int(found.reliable.sum()), int((~found.reliable).sum()))

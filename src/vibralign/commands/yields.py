@@ -27,9 +27,11 @@ def yield_words(drawn: "Yield | Check") -> str:
 
     if not drawn.devices:
         return "of no device, as all that are drawn start inside the hole,"
-    shares = drawn.going_in / drawn.devices, *interval(drawn.going_in, drawn.devices)
-    share, low, high = (f"{100.0 * each:.4g} %" for each in shares)
-    return f"{share} ({low} to {high}, {100.0 * CONFIDENCE:.4g} % confidence)"
+    low, high = interval(drawn.going_in, drawn.devices)
+    places = max(1 - math.floor(math.log10(100.0 * (high - low))), 0)  # two digits of the interval
+    shares = drawn.going_in / drawn.devices, low, high
+    share, least, most = (f"{round(100.0 * each, places):.12g} %" for each in shares)
+    return f"{share} ({least} to {most}, {100.0 * CONFIDENCE:.4g} % confidence)"
 
 
 def required_words(required: float | None, drawn: "Yield", *, kept: bool) -> str:
@@ -77,7 +79,7 @@ def yield_lines(
     """Return the detailed lines on the yield: times, forces, indices, the command that fails."""
     lines = []
     times = [("alignment time", drawn.time, TIME, si.DIGITS)] if drawn.going_in else []
-    if drawn.insertion[0] == drawn.insertion[0]:  # no NaN
+    if drawn.going_in and not math.isnan(drawn.insertion[0]):
         times.append(("inserted after", drawn.insertion, TIME, si.DIGITS))
     # At the tolerance of these runs one in a thousand forces is off by 5 % (docs/measurements.md).
     for name, values, quantity, digits in (*times, ("contact force", drawn.force, FORCE, 2)):

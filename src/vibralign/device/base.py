@@ -23,8 +23,9 @@ from functools import lru_cache
 from typing import Any, NamedTuple
 
 from model.physics.geometry import lever_if_flat
-from model.physics.parameters import Shape
+from model.physics.parameters import Parameters, Shape
 from model.physics.quantities import LENGTH, PLAIN, STIFFNESS, Quantity
+from model.physics.tables import vars_of
 from vibralign.device.mouth import middle_of_face
 from vibralign.device.spelling import in_per_cent
 
@@ -171,6 +172,13 @@ def mass_at_edge(parameters: Mapping[str, Any], shape: Shape) -> Any:
     return mass / (1.0 + mass * arm * arm / parameters["inertia"])
 
 
+def restitution_at(parameters: Parameters, shape: Shape) -> float:
+    """Return the coefficient of restitution that a contact damping gives at the edge."""
+    mass = mass_at_edge(vars_of(parameters), shape)
+    stiffness, damping = parameters.contact_stiffness, parameters.contact_damping
+    return restitution_of(damping / (2.0 * math.sqrt(stiffness * mass)))
+
+
 def with_base(
     quantities: Mapping[str, float], pair: tuple[Material, Material] | None, shape: Shape
 ) -> dict[str, float]:
@@ -225,7 +233,10 @@ def _check_base(
     if pair is None and sizes:
         raise ValueError(f"{min(sizes)} needs materials, such as steel on aluminium")
     if pair is not None and "edge_radius" not in given:
-        raise ValueError("materials needs edge_radius, the rounding of the hole's edge")
+        raise ValueError(
+            "materials needs edge_radius, the rounding of the hole's edge, such as edge_radius: "
+            "0.1 mm; or leave materials out, and assess tries bases up to steel"
+        )
     if len(sizes & {"plate_thickness", "plate_radius"}) == 1:
         raise ValueError("a plate needs both plate_thickness and plate_radius")
     if pair is not None and "contact_stiffness" in parameters:

@@ -118,9 +118,21 @@ def with_parameters(quantities: Mapping[str, float]) -> dict[str, float]:
         if stated.get(each.parameter) == name:
             for need in each.needs:
                 if not found.get(need, -1.0) >= 0.0:
-                    raise ValueError(f"{name} needs {need}, a number >= 0")
+                    raise ValueError(f"{name} needs {need}, a number > 0{_hint(need, found)}")
             found[each.parameter] = each.value(quantities[name], *(found[n] for n in each.needs))
     return found
+
+
+def _hint(name: str, found: Mapping[str, float]) -> str:
+    """Return how to get an inertia: by formulas, and in numbers if mass and size are stated."""
+    if name != "inertia":
+        return ""
+    words = "; about the mass centre, a cylinder has m (3 r² + h²) / 12, a block m (w² + h²) / 12"
+    if {"mass", "half_width", "half_height"} <= found.keys():
+        mass, half, height = (found[n] for n in ("mass", "half_width", "half_height"))
+        cylinder, block = (mass * (k * half**2 + height**2 / 3.0) for k in (0.25, 1.0 / 3.0))
+        words += f": here {1e6 * cylinder:.3g} and {1e6 * block:.3g} kg mm²"
+    return f"{words}, and the gripper's share is added"
 
 
 def replaced_by(changes: Iterable[str]) -> set[str]:

@@ -385,7 +385,8 @@ def amounts_of(
         if low + high <= 0.0:
             raise ValueError(
                 f"fit = {given['fit']!r}: has a play of {1e6 * low:.3g} to {1e6 * high:.3g} µm, an "
-                "interference or none for half of the pairs: it is not modelled"
+                "interference or none for half of the pairs: it is not modelled; state a fit with "
+                "play, such as H7/g6, or the play of your parts, such as play: 0.01 mm ± 0.005 mm"
             )
         half = Tolerance("uniform", 0.5 * (high - low))
         amounts["play"] = Amount(0.5 * (low + high), half, "mm", 1e-3)

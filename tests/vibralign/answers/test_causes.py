@@ -15,7 +15,8 @@ from model.runs.simulate import simulate_once
 from model.sweeps.settings import Ensemble
 from vibralign import INSERTION, Settings, load_device
 from vibralign.answers.assess import assess
-from vibralign.answers.causes import _lean, cause_of, waits_in_vain
+from vibralign.answers.causes import Cause, _lean, cause_of, first_change, waits_in_vain
+from vibralign.answers.leeways import Nearest
 from vibralign.commands import main as cli
 
 PEG = Path(__file__).resolve().parents[2] / "square" / "peg.yaml"
@@ -75,6 +76,7 @@ def test_a_share_of_the_way_is_between_nothing_and_all(move, said):
     words = cause_of(replace(run, state=state, tau_align=math.nan, **late), "square").words
     assert said in words
     assert not re.search(r"-[\d.]+ %", words)
+    assert words.startswith("too slow") == ("it has come" in words)
 
 
 def test_a_part_that_sticks_or_hardly_moves_is_not_told_to_wait_longer(capsys):
@@ -90,6 +92,16 @@ def test_a_part_that_sticks_or_hardly_moves_is_not_told_to_wait_longer(capsys):
     told = capsys.readouterr().out.partition("what to do")[2].partition("\n")[0]
     assert "a longer horizon does not help" in told
     assert "raise the horizon" not in told
+
+
+def test_what_the_parts_give_is_changed_last():
+    cause = Cause("it sticks", (("friction", -1), ("amplitude", 1)))
+    friction = Nearest("friction", 0.2, 0.19, None)
+    farther = Nearest("axial_frequency", 18.0, None, 43.7)
+    assert first_change(cause, [friction, farther]) == {"axial_frequency": 43.7}
+    cure = Nearest("amplitude", 1e-3, None, 3e-3)
+    assert first_change(cause, [friction, farther, cure]) == {"amplitude": 3e-3}
+    assert first_change(cause, [friction]) == {"friction": 0.19}
 
 
 @pytest.mark.parametrize(

@@ -81,6 +81,14 @@ def test_a_setting_that_the_vibrator_cannot_give_is_not_run(monkeypatch):
     assert len(calls) == before
 
 
+def test_a_limit_is_not_exceeded_where_nothing_goes_in(monkeypatch):
+    oracle(monkeypatch, lambda force, _: force > 0.0)
+    best, _ = search(trials({"contact_force": 40.0, "stroke": 1.0, "acceleration": 1.0}), 1, 5)
+    # 1 mm at 50 Hz: 99 m/s², and a stroke of 2 mm; a force is not known.
+    passed = {each.name: each.passed for each in best.limiting if each.kind == "limit"}
+    assert passed == {"contact_force": False, "stroke": False, "acceleration": True}
+
+
 def test_what_file_states_in_place_of_parameters_has_assumed_tolerances():
     stated = load_device(PEG, {"play": "20 um", "tilt_frequency": "20 Hz"})
     assumed = with_tolerances(replace(stated, free=FREE)).tolerances

@@ -55,6 +55,14 @@ def test_a_data_sheet_is_a_device_file_without_arithmetic(tmp_path):
     assert found["clearance"] == pytest.approx(14e-6 / 6e-3)  # H7 0 to 12, g6 -12 to -4 µm
 
 
+def test_an_inertia_that_is_missing_is_named_with_formulas_and_numbers(tmp_path):
+    path = sheet(tmp_path)
+    path.write_text(SHEET.replace("inertia: 230 g cm²\n", ""), encoding="utf-8")
+    # 120 g (3 · 3² + 20²) mm² / 12, and 120 g (6² + 20²) mm² / 12
+    with pytest.raises(DeviceError, match=r"needs inertia, .*: here 4\.27 and 4\.36 kg mm²"):
+        load_device(path)
+
+
 @pytest.mark.parametrize("name", INSTEAD)
 def test_exactly_one_of_a_pair_is_stated_and_a_change_replaces_the_other(tmp_path, name):
     parameter = INSTEAD[name].parameter

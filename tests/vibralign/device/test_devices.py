@@ -89,7 +89,8 @@ def test_free_quantities_and_limits_are_read(tmp_path):
         ({"clearance": 0.83}, "not a length; write 0.0083, or '0.83 %', if it is in per cent"),
         ({"materials": "wood on steel"}, "materials = 'wood on steel': must be the part's on"),
         ({"materials": "steel"}, "for others state contact_stiffness"),
-        ({"materials": "steel on steel"}, "materials needs edge_radius"),
+        ({"materials": "steel on steel"}, "such as edge_radius: 0.1 mm; or leave materials out"),
+        ({"fit": "H7/m6"}, "state a fit with play, such as H7/g6, or the play of your parts"),
         ({"edge_radius": 1e-3}, "edge_radius needs materials"),
         ({"restitution": 1.2}, "restitution = 1.2: must be a finite number > 0 and <= 1"),
         ({"restitution": 0.5, "contact_damping": 3.0}, "state the same"),
@@ -298,7 +299,8 @@ def test_a_contact_that_yields_as_much_as_the_lever_is_doubted():
     )
     (doubt,) = (each for each in soft if each not in firm)
     assert doubt.startswith(f"soft base: at contact_stiffness = {0.99 * at_half:.4g} N/m, stated")
-    assert doubt.endswith("lever of the press may be 51 % longer: do not trust the verdict")
+    assert "lever of the press may be 51 % longer: do not trust the verdict" in doubt
+    assert f"contact_stiffness if it is above {at_half:.3g} N/m" in doubt
     square = {"contact_stiffness": 0.99 * at_half}
     assert not any("soft base" in each for each in load_device(EXAMPLE, square).doubts)
     # A base that is not stated is taken to be one, and may be too soft for a tight fit.
