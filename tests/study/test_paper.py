@@ -13,6 +13,7 @@ from study.claims.regime import regime_of
 from study.config import load_study, study_path
 from study.evidence.null import null_plan, stored_null, verdicts_of
 from study.identification.batch import figures_of
+from study.identification.search import missed
 from study.identification.space import own_values, space_of
 
 PAGE = (Path(__file__).parents[2] / "docs/paper.md").read_text(encoding="utf-8")
@@ -95,21 +96,23 @@ def test_the_page_lists_the_limits_that_are_missed(study, regimes) -> None:
         "share of Fig": {n: r.lift_offs for n, r in regimes.items()
                          if r.lift_offs > limits.hops.get(n, 1.0)},
     }  # fmt: skip
-    for words, missed in of.items():
+    for words, beyond in of.items():
         rows = re.findall(rf"^\| {words}.*", PAGE, re.MULTILINE)
-        if not missed:
+        if not beyond:
             assert not rows
             continue
         (row,) = rows
         _, limit, numbers, _, _ = row.split("|")
         assert re.findall(r"\d+(?=,| *$| that| \(rad)", limit.split("Fig", 1)[1]) == [
-            str(int(name[3:])) for name in missed
+            str(int(name[3:])) for name in beyond
         ]
         assert [float(each) for each in numbers.split(",")] == pytest.approx(
-            [*missed.values()], abs=0.02
+            [*beyond.values()], abs=0.02
         )
     assert not [n for n, r in regimes.items() if r.corners < limits.corners - 0.005]
     assert np.mean([r.not_resting for r in regimes.values()]) <= limits.not_resting
+    sizes = sum(missed(limits, name, regime) for name, regime in regimes.items())
+    assert f"misses the limits by {sizes:.2f} of their sizes in all" in PAGE
 
 
 def share(runs, name, kept) -> float:
