@@ -8,7 +8,7 @@ import pytest
 
 from verification.accuracy import LEAVING
 from verification.fuzz import IN_SLOT, LAWS_IN_SLOT, draw
-from verification.independent import insert, solve
+from verification.independent import insert, solve, solve_round
 from verification.independent.motion import Device, Mode
 from verification.independent.solution import MOMENT, Run
 from vibralign import Outcome, Parameters, Reason, simulate
@@ -87,6 +87,17 @@ def test_the_first_drop_is_the_alignment():
     run = simulate(DROPS_TWICE)
     assert run.tau_align == pytest.approx(solution.tau, abs=10 * run.tau_error)
     assert run.tau_corners_inside >= run.tau_align
+
+
+@pytest.mark.parametrize(
+    ("number", "solver", "shape"), [(31686, solve, "square"), (34147, solve_round, "round")]
+)
+def test_a_level_that_begins_at_zero_may_fall_and_rise_within_a_step(number, solver, shape):
+    # Sets of the fuzz: a part is lifted off at once and lands again; a gap opens right after its
+    # load is lost, and closes again.
+    p = draw(7, number, 1)[0]
+    run = simulate(p, horizon=5.0, tolerance=1e-9, shape=shape)
+    assert solver(p, 5.0, 1e-12).tau == pytest.approx(run.tau_align, abs=10.0 * run.tau_error)
 
 
 # Sets of the fuzz, their endings in the independent solution, and contacts that they must meet.

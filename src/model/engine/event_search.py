@@ -31,7 +31,7 @@ _SUBINTERVAL = FRACTIONS[0]
 _SOON = 2.0**-6  # part of a step after which a level below zero must have fallen further
 _FINEST = 2.0**-24  # smallest part of a step, which is not divided
 _MOST_PARTS = 64  # parts of a subinterval after which sixteenths of the step are not divided
-_LEAVING = 2.0**-4  # part in which a level of one quantity that starts at zero is assumed monotonic
+_LEAVING = 2.0**-4  # part in which a monotonic level leaves the zero at which it starts
 _ROOT_ITERATIONS = 60
 _CLOSE = 1e-8  # last relative correction of a root; the error left is of the order of its square
 
@@ -242,7 +242,7 @@ def _crossing_between(count, left, end, series):
                 if theta != NO_EVENT:
                     return theta
             if not (may_cross and is_monotonic):
-                least = _LEAVING if at_zero and (count == 1 or is_monotonic) else finest
+                least = _LEAVING if at_zero and is_monotonic else finest
                 if width > least:
                     right = left + 0.5 * width
                     continue
