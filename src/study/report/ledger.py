@@ -20,9 +20,11 @@ _CLAIM = {claim.id: claim for claim in CLAIMS}
 def section(results: Results) -> Section:
     """Return the section on the paper's statements and their verdicts."""
     lines, cases = read_ledger(results.file("claims.csv")), results.dataset("data/cases.nc")
+    totals, beside = _beside(lines, cases, _halves(results))
     content = {
         "tally": tally([line.verdict for line in lines]),
-        "beside": _beside(lines, cases, _halves(results)),
+        "totals": totals,
+        "beside": beside,
         "until": number(results.study.evidence.grid.horizon),
         "counts": _counts(cases),
         "assumptions": _assumptions(cases),
@@ -95,11 +97,11 @@ def _shared() -> Table:
     return Table(("limit", "must be", "since"), rows)
 
 
-def _beside(lines: list[Line], cases: xr.Dataset, without: Collection[str]) -> Table:
+def _beside(lines: list[Line], cases: xr.Dataset, without: Collection[str]) -> tuple[Table, Table]:
     """List by entry the verdict of the figures, and those of cases on the grid of random devices.
 
-    These are the device and those of other searches but some, under both starts. The last two rows
-    count entries, and those of conclusions.
+    These are the device and those of other searches but some, under both starts. A table before
+    counts entries, and those of conclusions.
     """
     heads = {}
     for row, title in enumerate(cases["case"].values.tolist()):
@@ -123,13 +125,17 @@ def _beside(lines: list[Line], cases: xr.Dataset, without: Collection[str]) -> T
         )
         for line, column in zip(lines, verdicts.T, strict=True)
     ]
+    totals: list[tuple[object, ...]] = []
     ends = [_CLAIM[line.claim].is_conclusion for line in lines]
     for words, kept in (("all", np.ones(len(lines), bool)), ("of conclusions", np.array(ends))):
         own = count([line for line, keep in zip(lines, kept, strict=True) if keep])
         shown = (verdicts[:, kept] == SHOWN).sum(axis=1).tolist()
-        rows.append(("", f"{words} ({int(kept.sum())})", own, *shown, ""))
-    columns = (f">{head}" for head in heads.values())
-    return Table(("entry", "the paper says", ">our figures", *columns, ">random"), rows)
+        totals.append((f"{words} ({int(kept.sum())})", own, *shown))
+    columns = (">our figures", *(f">{head}" for head in heads.values()))
+    return (
+        Table(("entries shown", *columns), totals),
+        Table(("entry", "the paper says", *columns, ">random"), rows),
+    )
 
 
 def _counts(cases: xr.Dataset) -> Table:
