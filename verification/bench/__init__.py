@@ -20,8 +20,8 @@ The report's section, with data and CPU times from the workflow:
 ``make bench`` runs in an environment of its own (``.venv-bench``), which the study never needs;
 ``make bench BENCH_FLAGS=--quick`` gives a rough table. A method climbs the ladder to the first
 tolerance with a true error of at most 1e-8, and is timed there: compiled, on one core, as median of
-rounds in which all methods take turns. Results: the table on the terminal,
-``results/benchmarks/peers.csv`` with the same numbers, and ``machine.json``.
+rounds in which all methods take turns. Results: the table on the terminal, and
+``results/benchmarks/peers.csv`` with the same numbers.
 
 - ``trajectories``: the problems
 - ``table``: settings, times and ratios

@@ -10,9 +10,6 @@ for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUM
 if hasattr(os, "sched_setaffinity"):
     os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
 
-from model.compile.identity import digest_of  # noqa: E402
-from model.engine.scheduling import integrate_all  # noqa: E402
-from verification.bench.machine import facts  # noqa: E402
 from verification.bench.methods.peers import all_methods  # noqa: E402
 from verification.bench.table import Row, compare, text, write  # noqa: E402
 from verification.bench.trajectories import all_problems  # noqa: E402
@@ -38,9 +35,7 @@ def main() -> None:
         rows = compare(problem, methods, budget, rounds)
         _say(text(rows) + "\n")
         table += rows
-    machine = {"quick": arguments.quick, "kernels": digest_of(integrate_all)}
-    machine |= facts([*(method.package for method in methods), "numpy", "numba"])
-    write(table, machine, folder)
+    write(table, folder)
     _say(f"kept in {folder}")
 
 

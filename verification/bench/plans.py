@@ -15,7 +15,6 @@ if TYPE_CHECKING:
 PICTURES: Mapping[str, str] = {
     "times": "benchmarks/precision",
     "evaluations": "figures/precision",
-    "stability": "figures/stability",
 }
 
 

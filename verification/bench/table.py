@@ -4,9 +4,8 @@ Methods climb the same ladder of tolerances from coarse to fine. The first toler
 target error is the method's setting; its row is the cost of a trajectory there.
 """
 
-import json
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import partial
 from pathlib import Path
@@ -14,10 +13,12 @@ from time import process_time
 
 import numpy as np
 
+from model.sweeps.files import write_text
 from study.csv_tables import records_text
 from verification.bench.methods.base import Method, NotReachedError, typical_error
 from verification.bench.problems import Problem
 from verification.bench.work_precision import climbed, cpu_microseconds
+from vibralign.commands.tables import or_null, table
 
 TARGET = 1e-8  # true error that nine of ten cases must keep
 TOLERANCES = [float(f"{10.0 ** (half / 2.0):.3g}") for half in range(-8, -29, -1)]
@@ -33,9 +34,7 @@ class Row:
     """
 
     problem: str
-    target_error: float
     method: str
-    formulation: str
     tolerance: float = math.nan
     true_error: float = math.nan
     microseconds: float = math.nan
@@ -43,16 +42,6 @@ class Row:
     ratio: float = math.nan
     events: float = math.nan
     remark: str = ""
-
-    @property
-    def nanoseconds_per_evaluation(self) -> float:
-        """Return the time of the trajectory divided by its evaluations."""
-        return 1e3 * self.microseconds / self.evaluations
-
-    @property
-    def nanoseconds_per_event(self) -> float:
-        """Return the time of the trajectory divided by its events."""
-        return 1e3 * self.microseconds / self.events
 
 
 def compare(problem: Problem, methods: Sequence[Method], budget: float, rounds: int) -> list[Row]:
@@ -92,7 +81,7 @@ def loosest(method: Method, problem: Problem, budget: float) -> Row:
             method.warm(problem, tolerance)
             yield tolerance
 
-    row = Row(problem.name, TARGET, method.name, method.formulation, events=problem.events)
+    row = Row(problem.name, method.name, events=problem.events)
     try:
         for tolerance, solution, _ in climbed(method, problem, warmed(), budget):
             error = typical_error(problem.answers(solution), problem.truth)
@@ -121,43 +110,14 @@ def _first_call(method: Method, problem: Problem, row: Row) -> tuple[Row, Callab
     return replace(row, evaluations=counted), clock
 
 
-def text(table: Sequence[Row]) -> str:
-    """Return the table for the terminal, a block for each problem."""
-    width = max((len(row.method) for row in table), default=0)
-    lines: list[str] = []
-    problem = None
-    for row in table:
-        if row.problem != problem:
-            problem = row.problem
-            lines += ["", f"{problem}, true error {row.target_error:g}, {row.events:,.1f} events"]
-            lines.append(
-                f"  {'method':{width}}  {'µs/traj.':>12}  {'ratio':>8}  {'evaluations':>11}"
-                f"  {'ns/eval.':>8}  {'ns/event':>9}  {'tolerance':>9}  {'error':>7}"
-            )
-        lines.append(f"  {row.method:{width}}  " + _numbers(row))
-    return "\n".join(lines[1:])
+def text(rows: Sequence[Row]) -> str:
+    """Return the rows of a problem as a table for the terminal."""
+    head = f"{rows[0].problem}, true error {TARGET:g}, {rows[0].events:,.1f} events"
+    names = ("method", "microseconds", "ratio", "evaluations", "tolerance", "true_error", "remark")
+    return "\n".join([head, *table([or_null(vars(row)) for row in rows], names)])
 
 
-def _numbers(row: Row) -> str:
-    if math.isnan(row.microseconds):
-        return f"{'–':>12}  not reached: {row.remark}"
-    return (
-        f"{row.microseconds:12,.1f}  {row.ratio:8,.2f}  {_or_dash(row.evaluations, '11,.0f')}"
-        f"  {_or_dash(row.nanoseconds_per_evaluation, '8,.1f')}"
-        f"  {row.nanoseconds_per_event:9,.0f}"
-        f"  {row.tolerance:9.1e}  {row.true_error:7.0e}"
-    )
-
-
-def _or_dash(value: float, spec: str) -> str:
-    width = int(spec.partition(",")[0])
-    return f"{'–':>{width}}" if math.isnan(value) else format(value, spec)
-
-
-def write(table: Sequence[Row], machine: Mapping[str, object], folder: Path) -> None:
-    """Write ``peers.csv`` and ``machine.json`` into ``folder``."""
-    folder.mkdir(parents=True, exist_ok=True)
+def write(rows: Sequence[Row], folder: Path) -> None:
+    """Write ``peers.csv`` into ``folder``."""
     formats = {each.name: ".6g" for each in fields(Row) if each.type is float}
-    (folder / "peers.csv").write_text(records_text(Row, table, formats), encoding="utf-8")
-    machine_file = folder / "machine.json"
-    machine_file.write_text(json.dumps(machine, indent=2, sort_keys=True) + "\n", encoding="utf-8")
+    write_text(records_text(Row, rows, formats), folder / "peers.csv")

@@ -99,7 +99,7 @@ def problem_of(plan: PrecisionPlan, name: str) -> Problem:
 
 def methods_for(case: CasePlan) -> list[str]:
     """Return the names of the methods that run a case."""
-    return [name for name in METHODS if case.every_method or METHODS[name].package != "scipy"]
+    return [name for name in METHODS if case.every_method or not METHODS[name].interpreted]
 
 
 def true_run(plan: PrecisionPlan, name: str) -> Truth:

@@ -47,7 +47,7 @@ rule precision:
         "../scripts/precision.py"
 
 
-# One job for all three pictures, because a start of Python costs more than drawing them.
+# One job for both pictures, because a start of Python costs more than drawing them.
 rule draw_methods:
     input:
         data="<results>/data/precision.csv",
@@ -66,7 +66,6 @@ rule draw_methods:
     params:
         *code("draw_methods"),
         cases={name: case.title for name, case in study.precision.cases.items()},
-        hard=study.precision.titles,
     message:
         "methods: drawing their comparison"
     script:

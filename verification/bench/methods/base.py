@@ -19,8 +19,6 @@ class Method:
 
     Attributes:
         name: name in tables and legends.
-        formulation: formulation of the problem for this method, in a few words.
-        package: distribution whose version is reported.
         fixed: True if the resolution is the length of a step, False if it is a tolerance.
         interpreted: True if every step runs through Python; evaluations alone then compare it.
         stages: evaluations of a fixed step.
@@ -30,8 +28,6 @@ class Method:
     """
 
     name: str
-    formulation: str = ""
-    package: str = "vibralign"
     fixed: bool = False
     interpreted: bool = False
     stages: int = 1

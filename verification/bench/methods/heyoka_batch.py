@@ -109,14 +109,12 @@ class HeyokaBatch(Method):
     """heyoka with one trajectory a vector lane."""
 
     name = "heyoka batch"
-    package = "heyoka"
 
     def __init__(self) -> None:
         # heyoka recommends 256 bits also on machines with 512, which are up to 1.6 times faster.
         wide = ll.get_host_cpu_features().get("avx512f", False)
         self.width = _WIDEST if wide else hy.recommended_simd_size()
         self.batch = _BATCH
-        self.formulation = f"{self.width} lanes, modes as parameters, terminal events, refilled"
         self._lanes: dict[float, _Lanes] = {}
 
     def warm(self, problem: Problem, tolerance: float) -> None:

@@ -19,7 +19,6 @@ class Package(Method):
     States come from single runs, because ``align`` returns none.
     """
 
-    formulation = "align, with error estimate"
     vectorized = True
 
     def __init__(self, name: str, batch: int = 1024) -> None:
@@ -39,8 +38,6 @@ class Package(Method):
 
 class OneRun(Package):
     """The package used like a peer: one run of a set up to alignment, no error estimate."""
-
-    formulation = "one run each up to alignment, no error estimate"
 
     def solve(
         self, problem: Problem, cases: Sequence[Parameters], resolution: float, _deadline: float, /

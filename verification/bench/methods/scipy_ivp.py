@@ -32,9 +32,6 @@ _CAREFUL = (1e-3, 1e-5, 1e-7)  # first steps to try after such events
 class ScipyIvp(Method):
     """One of scipy's methods."""
 
-    package = "scipy"
-    formulation = "numba right-hand side and events, restart at each event"
-
     def __init__(self, name: str) -> None:
         importlib.import_module("numba")  # else the right-hand sides would be Python
         self.name, self.method = f"scipy {name}", name

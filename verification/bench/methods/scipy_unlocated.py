@@ -28,7 +28,6 @@ class _TooManyEvaluationsError(Exception):
 class ScipyUnlocated(Method):
     """One of scipy's methods, with a compiled right-hand side."""
 
-    package = "scipy"
     interpreted = True
     located = False
 

@@ -33,9 +33,6 @@ CAPTIONS: Mapping[str, str] = {
     "machine: neighbouring parameter sets on one core, median of repeats. "
     "Scipy's methods (dotted) take steps in Python, with a compiled right-hand side. Shaded: below "
     "what the true solution itself is known to.",
-    "stability": "What each method needs to keep the true error on every case: evaluations of the "
-    "equations of motion. Where it does not, the smallest error that it reaches. No cell: "
-    "not run.",
 }
 
 
