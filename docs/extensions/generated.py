@@ -4,14 +4,10 @@ import argparse
 import ast
 import inspect
 import itertools
-import json
 import os
-import re
 from collections.abc import Callable, Iterable, Mapping
-from pathlib import Path
 from typing import Any
 
-import yaml
 from docutils import nodes
 from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue
 from sphinx.application import Sphinx
@@ -188,25 +184,6 @@ def _configuration() -> str:
     return "\n\n".join(parts)
 
 
-_PROFILES = Path(__file__).resolve().parents[2] / "profiles"
-
-
-def _profiles() -> str:
-    """Return the keys of each profile with values, and the comments beside them as meanings."""
-    parts = []
-    for file in sorted(_PROFILES.glob("*/config.yaml")):
-        text = file.read_text(encoding="utf-8")
-        meanings = dict(re.findall(r"^([\w-]+):.*? # (.*)$", text, flags=re.MULTILINE))
-        rows = (
-            (f"`{key}`", f"`{json.dumps(value)}`", meanings.get(key, ""))
-            for key, value in yaml.safe_load(text).items()
-        )
-        parts.append(
-            f"## profiles/{file.parent.name}\n\n{_table(('key', 'value', 'meaning'), rows)}"
-        )
-    return "\n\n".join(parts)
-
-
 def _variables_of(table: Mapping[str, Result]) -> str:
     rows = (
         (f"`{name}`", each.symbol or "", unit_in_file(each.quantity), each.explanation)
@@ -224,7 +201,6 @@ GENERATED: dict[str, Callable[[], str]] = {
     "configuration": _configuration,
     "outcomes": _outcomes,
     "parameters": _parameters,
-    "profiles": _profiles,
     "reasons": _reasons,
     "units": _units,
     "variables": lambda: _variables_of({**RESULTS, **UNVIBRATED_CONTROL, **IN_SLOT}),

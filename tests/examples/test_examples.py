@@ -4,7 +4,6 @@ Some run here on fewer nodes, or for a shorter time, than on the pages that `mak
 """
 
 import io
-import json
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
@@ -23,13 +22,8 @@ from study.plans import sweep_of
 from vibralign import Batch, Outcome, Settings, load_device, reliable_at, simulate
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
-SCRIPTS = sorted([*EXAMPLES.glob("*.py"), *EXAMPLES.glob("*.ipynb")])
+SCRIPTS = sorted(EXAMPLES.glob("*.py"))
 Names = dict[str, Any]
-
-
-def cells_of(notebook: Path, kind: str) -> list[str]:
-    cells = json.loads(notebook.read_text(encoding="utf-8"))["cells"]
-    return ["".join(cell["source"]) for cell in cells if cell["cell_type"] == kind]
 
 
 @pytest.fixture
@@ -40,11 +34,9 @@ def example(monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..., Names]]:
 
     def names_of(name: str, *arguments: str, less: Mapping[str, str] | None = None) -> Names:
         monkeypatch.setattr(sys, "argv", [name, *arguments])
-        path = EXAMPLES / name
         plt.close("all")  # what another test left
         names: Names = {"__name__": "example"}
-        cells = cells_of(path, "code") if path.suffix == ".ipynb" else [path.read_text("utf-8")]
-        source = "\n".join(cells)
+        source = (EXAMPLES / name).read_text("utf-8")
         for stated, fewer in (less or {}).items():
             assert stated in source
             source = source.replace(stated, fewer)
@@ -62,15 +54,8 @@ def test_eleven_short_scripts_begin_with_a_title_and_a_sentence():
     assert [name[0] for name in numbered] == [*"123456789"]
     assert (known, last) == ("known_in_part.py", "round_and_square.py")
     for path in SCRIPTS:
-        if path.suffix == ".ipynb":
-            cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
-            assert not any(cell.get("outputs") or cell.get("execution_count") for cell in cells)
-            lines = "\n".join(cells_of(path, "code")).splitlines()
-            title, _, text = cells_of(path, "markdown")[0].partition("\n\n")
-            assert title.startswith("# ")
-        else:
-            lines = path.read_text(encoding="utf-8").splitlines()
-            text = "\n".join(lines).split('"""')[1].partition("==\n\n")[2]
+        lines = path.read_text(encoding="utf-8").splitlines()
+        text = "\n".join(lines).split('"""')[1].partition("==\n\n")[2]
         assert text.strip().endswith(".")
         assert len(lines) <= 40, path.name
 
@@ -99,7 +84,7 @@ def test_every_error_bar_of_the_sweep_holds(example):
 
 
 def test_the_map_is_reliable_only_where_it_aligns(example):
-    names = example("3_map.ipynb", less={", 24)": ", 12)"})
+    names = example("3_map.py", less={", 24)": ", 12)"})
     duration, reliable = names["duration"], names["reliable"]
     aligns = np.isfinite(duration)
     assert 0 < reliable.sum() < aligns.sum() < aligns.size
