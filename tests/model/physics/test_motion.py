@@ -157,11 +157,13 @@ def test_sum_of_forces_with_face_and_side(device, constants, random_states, read
     for state in random_states(30, seed=3):
         here = Independent(0.4, state, device, readings, BESIDE)
         signs = here.signs()
-        total, [_, (load, slip, *_)] = here.at(*signs)
+        total, [(*_, drive), (load, slip, _, side_drive)] = here.at(*signs)
         mode = START._replace(support_slip=signs[0], side=CLOSED, side_slip=signs[1])
         at = motion(0.4, State(*state), p, mode)
         assert accelerations(at) == pytest.approx(total, rel=1e-11, abs=1e-11)
         assert (at.side_load, at.side_slip) == pytest.approx((load, slip), rel=1e-11, abs=1e-11)
+        drives = at.support_drive, at.side_drive
+        assert drives == pytest.approx((drive, side_drive), rel=1e-10, abs=1e-10)
 
 
 def test_edge_and_corner_under_one_face_share_friction_by_their_loads(device, constants):
