@@ -96,40 +96,6 @@ def test_a_slow_press_without_vibration_comes_to_the_rest_of_a_slow_press(device
     assert rest.tilt > 0.03
 
 
-def test_work_of_the_moving_support_is_kept_as_energy(device):
-    p = device.replace(
-        friction=0.0, contact_damping=0.0, approach_speed=0.4, frequency=2.0, rest_tilt=0.01
-    )
-    run = simulate(p, start="running", tolerance=1e-12, horizon=30.0)
-    constants, first = constants_of(p, "square"), run.time >= 0.0
-    until = first & (run.time < run.tau_align)
-    keep = np.flatnonzero(until)[1:]
-    keep = keep[np.concatenate([[True], np.diff(run.time[keep]) > 0.0])]
-    time, (x, y, tilt, vx, vy, turn) = run.time[keep], run.state[keep].T
-    reach = constants.slot_half_width - x
-    depth = p.half_height - reach * np.sin(tilt) - y * np.cos(tilt)
-    stored = vx**2 + vy**2 + p.inertia * turn**2 + p.lateral_stiffness * (x - p.misalignment) ** 2
-    stored += (y - p.half_height) ** 2 + p.tilt_stiffness * (tilt - p.rest_tilt) ** 2
-    stored = 0.5 * (
-        stored + p.contact_stiffness * np.where(run.contact_force[keep] > 0, depth, 0) ** 2
-    )
-    # The phase and the press at the touch follow from the state of the descent there.
-    before = np.flatnonzero(run.time < 0.0)
-    phase = p.phase - p.frequency * run.time[before[0]]
-    shake, _ = swing(p.replace(phase=phase), 0.0)
-    at_touch = p.half_height - run.state[np.flatnonzero(run.time == 0.0)[0], 1]
-    press = np.minimum(
-        at_touch + p.axial_damping * p.approach_speed - shake + p.approach_speed * time,
-        p.press_force,
-    )  # fmt: skip
-    force = press + np.sin(p.frequency * time + phase)
-    power = -force * vy - p.axial_damping * vy**2 - p.lateral_damping * vx**2
-    power -= p.tilt_damping * turn**2
-    work = np.concatenate([[0.0], np.cumsum(0.5 * np.diff(time) * (power[1:] + power[:-1]))])
-    assert np.ptp(stored) > 1.0
-    np.testing.assert_allclose(stored - stored[0], work, atol=2e-3 * np.abs(work).max())
-
-
 @pytest.mark.parametrize("start", ["running", "still"])
 @pytest.mark.parametrize("shape", ["square", "round"])
 def test_estimates_hold_where_a_part_is_lowered(device, start, shape):

@@ -52,17 +52,6 @@ def test_a_row_is_the_run_of_its_parameters_to_the_bit(batch, result, row):
     assert same(alone, result, slice(row, row + 1))
 
 
-def test_the_order_does_not_matter(batch, result):
-    order = np.random.default_rng(4).permutation(ROWS)
-    shuffled = align([batch[int(i)] for i in order], horizon=40.0)
-    assert same(shuffled, result, order)
-
-
-@pytest.mark.parametrize("cores", [1, 2, 3])
-def test_the_number_of_cores_does_not_matter(batch, result, cores):
-    assert same(align(batch, horizon=40.0, cores=cores), result)
-
-
 def test_every_array_has_a_row_for_each_parameter_set_and_its_own_kind(result):
     for field in fields(Alignments):
         assert getattr(result, field.name).shape == (ROWS,)

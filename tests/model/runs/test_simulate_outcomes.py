@@ -190,44 +190,6 @@ def test_a_run_may_end_at_alignment(device):
     assert part.rhs_evaluations[0] < whole.rhs_evaluations[0]
 
 
-def test_alignment_by_the_printed_criterion_is_that_of_all_corners(device):
-    printed = Variants(alignment_criterion="printed")
-    runs = align([device], readings=printed, alignment_only=True)
-    assert runs.tau_align[0] == runs.tau_corners_inside[0]
-
-
-def test_printed_sign_pushes_away_from_the_slot(device):
-    # The print's U1 belongs to the mirror image: without friction the tilted face pushes to +x.
-    p = device.replace(friction=0.0, initial_tilt=0.1, frequency=0.5)
-    mended = simulate(p, horizon=2.0)
-    printed = simulate(p, readings=Variants(normal_sign="printed"), horizon=2.0)
-    assert mended.state[-1, 0] < p.misalignment < printed.state[-1, 0]
-
-
-def test_printed_preload_raises_the_press_force_axis_by_the_half_height(device):
-    # -(y - 0) - f0 = -(y - b) - (f0 + b): the two readings are each other at shifted f0.
-    printed = simulate(device.replace(press_force=3.0 - device.half_height),
-                       readings=Variants(preload="printed"))  # fmt: skip
-    mended = simulate(device)
-    assert printed.outcome is mended.outcome
-    assert printed.tau_align == pytest.approx(mended.tau_align, abs=1e-9)
-
-
-@pytest.mark.parametrize(
-    ("name", "frequency"),
-    [
-        ("normal_sign", 10.0), ("friction_law", 10.0), ("contact_damping_law", 10.0),
-        ("preload", 10.0), ("moment_arms", 10.0),
-        ("side_gap", 0.5), ("side_force", 0.5),  # it meets the side
-    ],
-)  # fmt: skip
-def test_each_variant_changes_the_run(device, name, frequency):
-    p = device.replace(frequency=frequency)
-    mended = simulate(p, horizon=40.0)
-    printed = simulate(p, readings=Variants(**{name: "printed"}), horizon=40.0)
-    assert (printed.outcome, printed.tau_align) != (mended.outcome, mended.tau_align)
-
-
 def test_printed_criterion_keeps_the_horizon_after_the_contact_is_lost():
     # This part loses the contact past the corner at τ = 2.86 and rocks from then on, never with all
     # four corners inside: the run must last to its horizon, not for the time a fall may take.
