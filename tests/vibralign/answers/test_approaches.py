@@ -5,18 +5,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import yaml
 
 from model.events.outcomes import Reason
 from model.sweeps.settings import Ensemble
-from vibralign import INSERTION, Settings, load_device, reliable_at, simulate, sweep
+from vibralign import INSERTION, Settings, load_device, reliable_at, sweep
 from vibralign.answers.approaches import in_worst_approach, worst_of
 from vibralign.answers.assess import assess
 from vibralign.answers.cases import approach_of, cases_of, without_approach
-from vibralign.answers.reliability import from_every_start, run_devices
+from vibralign.answers.reliability import from_every_start
 from vibralign.answers.verdicts import verdicts_on
 from vibralign.commands import main as cli
-from vibralign.device import DeviceError
 from vibralign.device.approach import Approach
 
 PEG = Path(__file__).resolve().parents[3] / "docs" / "devices" / "peg.yaml"
@@ -49,35 +47,11 @@ def test_what_is_not_stated_is_tried(lines, words):
     assert len(approaches) == max(len(words), 1)
 
 
-@pytest.mark.parametrize(
-    ("lines", "words"),
-    [
-        ({"start": "pressed"}, "write vibrator: still"),
-        ({"start": "simultaneous"}, "write approach_speed: sudden"),
-        ({"vibrator": "on"}, "unknown vibrator 'on'"),
-        ({"approach_speed": "sudden", "vibrator": "still"}, "has no effect"),
-        ({"approach_speed": "-1 mm/s"}, "must be a finite number > 0"),
-    ],
-)
-def test_a_start_that_does_not_fit_is_refused(tmp_path, lines, words):
-    path = tmp_path / "device.yaml"
-    given = yaml.safe_load(PEG.read_text(encoding="utf-8")) | lines
-    path.write_text(yaml.safe_dump(given, allow_unicode=True), encoding="utf-8")
-    with pytest.raises(DeviceError, match=words):
-        load_device(path)
-
-
 def test_the_speed_of_a_sudden_start_cannot_vary():
     device = changed(approach_speed="sudden")
     for ask in (sweep, reliable_at):
         with pytest.raises(ValueError, match="cannot vary with approach_speed: sudden"):
             ask(device, approach_speed=[0.005, 0.01])
-
-
-def test_the_option_of_a_start_is_answered_with_what_to_write(capsys):
-    arguments = ["simulate", "--device", str(PEG), "--start", "pressed"]
-    assert cli.main(arguments) == 2
-    assert "write vibrator: still" in capsys.readouterr().err
 
 
 def test_the_speed_is_that_of_the_file_in_the_units_of_each_device():
@@ -127,23 +101,6 @@ def test_assess_says_every_approach_where_devices_are_drawn_in_the_worst(capsys)
     cli.main(["assess", *device, *rough, "--set", "approach_speed=30 mm/s"])
     start = json.loads(capsys.readouterr().out)["assumptions"]["start"]
     assert start.startswith("each of running, 30 mm/s; still")
-
-
-def test_one_device_asked_in_every_way(capsys):
-    lines = {"approach_speed": "30 mm/s", "vibrator": "running", "gripper_tilt": "0.1 deg"}
-    device = changed(**lines)
-    run = simulate(device, SETTINGS)
-    [row] = run_devices(device, {"friction": np.array([0.15])}, [{"phase": 0.0}], SETTINGS).times
-    assert row[0] == pytest.approx(run.tau_align * device.units.time, rel=1e-4)
-    sets = [word for n, v in lines.items() for word in ("--set", f"{n}={v}")]
-    arguments = ["--device", str(PEG), "--tolerance", "1e-6", "--horizon", "1 s", "--json"]
-    cli.main(["simulate", *arguments, "--scene", "insertion", *sets])
-    said = json.loads(capsys.readouterr().out)
-    assert said["si"]["alignment_time_s"] == pytest.approx(row[0], rel=1e-4)
-    assert said["start"] == "running"
-    cases = cases_of(device, Ensemble())
-    every, _ = from_every_start(device, {"friction": np.array([0.15])}, cases, SETTINGS)
-    assert bool(reliable_at(device, SETTINGS)[0]) == bool(every["goes_in"].all())
 
 
 def test_the_press_alone_is_counted():

@@ -318,23 +318,9 @@ def test_reliable_forces_are_asked_in_si_units():
     assert math.isclose(peg.units.force, 3.0)
 
 
-def test_python_keeps_the_start_of_the_file_and_asks_what_assess_asks(tmp_path):
-    path = tmp_path / "peg.yaml"
-    path.write_text(
-        PEG.read_text(encoding="utf-8").replace(
-            "approach_speed: sudden", "vibrator: still\napproach_speed: 3 mm/s"
-        ),
-        encoding="utf-8",
-    )
-    pressed = load_device(path)
-    assert pressed.vibrator == "still"
-    run = simulate(pressed, tolerance=1e-7)
-    assert run.tau_align == simulate(pressed.parameters, tolerance=1e-7, start="still").tau_align
-    other = simulate(pressed.changed(approach_speed="sudden"), tolerance=1e-7)
-    assert other.tau_align == simulate(load_device(PEG), tolerance=1e-7).tau_align
-    assert abs(other.tau_align - run.tau_align) > 1.0
-    # It aligns with more friction than it goes in with: the question is that of ``assess``.
+def test_python_asks_what_assess_asks():
     stated = load_device(PEG, {"contact_stiffness": 3e5})
+    pressed = stated.changed(vibrator="still", approach_speed="3 mm/s")
     asked = []
 
     def every(*arguments):
