@@ -34,9 +34,10 @@ def test_a_dataset_that_does_not_fit_names_the_cause_and_leaves_the_old_one(tmp_
     write_dataset(DATASET, path)
     before = path.read_bytes()
     assert len(before) > 10_000
-    with small_files(size), pytest.raises(OSError, match="too large") as refusal:
-        write_dataset(DATASET, path)
-    assert (refusal.value.errno, refusal.value.filename) == (errno.EFBIG, str(path))
+    for write in (write_dataset, lambda _, path: write_text("x" * 20_000, path)):
+        with small_files(size), pytest.raises(OSError, match="too large") as refusal:
+            write(DATASET, path)
+        assert (refusal.value.errno, refusal.value.filename) == (errno.EFBIG, str(path))
     assert path.read_bytes() == before
     assert list(tmp_path.iterdir()) == [path]
 

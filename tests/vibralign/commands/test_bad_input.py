@@ -243,24 +243,6 @@ WRITERS = {
 
 
 @pytest.mark.parametrize("write", WRITERS.values(), ids=list(WRITERS))
-@pytest.mark.parametrize("was_there", [True, False])
-def test_a_result_on_a_full_disk(tmp_path, make_dataset, write, was_there):
-    path = tmp_path / "result"
-    if was_there:
-        path.write_text("as it was\n", encoding="utf-8")
-    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (2048, limits[1]))
-    try:
-        with pytest.raises((OSError, RuntimeError)):
-            write(path, make_dataset)
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
-    assert [each.name for each in tmp_path.iterdir()] == (["result"] if was_there else [])
-    if was_there:
-        assert path.read_text(encoding="utf-8") == "as it was\n"
-
-
-@pytest.mark.parametrize("write", WRITERS.values(), ids=list(WRITERS))
 def test_a_result_in_a_folder_that_is_a_file(tmp_path, make_dataset, write):
     blocked = tmp_path / "results"
     blocked.write_text("a file\n", encoding="utf-8")
