@@ -1,11 +1,15 @@
 """Runs with fixed steps: evaluations, ends, convergence; scipy on the same right-hand side."""
 
-from math import ceil, inf, isnan
+from math import ceil, cos, inf, isnan, sin
 
 import numpy as np
 import pytest
 
-from verification.bench.methods.by_hand import outside_of, solve_by_hand
+from model.compile.entries import compiled
+from model.physics.contacts import contact_load, edge_on_face
+from model.physics.notation import RIGHT_EDGE
+from verification.bench.methods import by_hand
+from verification.bench.methods.by_hand import outside_of, solve_by_hand, state_of
 from verification.bench.methods.scipy_unlocated import ScipyUnlocated
 from verification.bench.problems import Problem, Verdict
 from vibralign import Batch, Settings, Variants, align
@@ -127,3 +131,59 @@ def test_scipy_gets_the_same_problem_and_locates_the_fall(slow):
     assert start[0] == slow.misalignment
     assert start[2] == slow.initial_tilt
     assert np.all(start[3:] == 0.0)
+
+
+# ----------------------------------------------------------------------------------- order of steps
+
+
+def pressed(along_face, depth, tilt, p):
+    """(x, y) of the mass centre with A1 at s = ``along_face``, ``depth`` inside the face."""
+    along_axis = depth - p.half_height
+    c, s = cos(tilt), sin(tilt)
+    r_x, r_y = along_face * c - along_axis * s, along_face * s + along_axis * c
+    return p.slot_half_width - r_x, -r_y
+
+
+HALVINGS = 6
+rates_at, rk4_step, euler_step = map(
+    compiled, (by_hand.rates, by_hand.rk4_step, by_hand.euler_step)
+)
+
+
+def integrated(scheme, p, count):
+    """The state at τ = 0.2 after ``count`` equal steps, sliding on A1 and pressed all the way."""
+    q = state_of(np.array([*pressed(0.5, 0.05, 0.1, p), 0.1, -0.5, 0.0, 0.0]))
+    h = 0.2 / count
+    for i in range(count):
+        k1 = rates_at(i * h, q, p)
+        q = rk4_step(i * h, h, q, k1, p) if scheme == "rk4" else euler_step(h, q, k1)
+        contact = edge_on_face(RIGHT_EDGE, q, p)
+        assert contact.slip < -0.1
+        assert contact_load(contact.depth, contact.closing_rate, q, p) > 0.1
+    return np.array(q)
+
+
+@pytest.mark.parametrize(("scheme", "order"), [("rk4", 4), ("semi_implicit_euler", 1)])
+def test_order_on_a_smooth_stretch(scheme, order, device, constants):
+    p = constants(device)
+    counts = [8 * 2**i for i in range(HALVINGS)]
+    true = integrated("rk4", p, 2048)
+    errors = [np.abs(integrated(scheme, p, count) - true).max() for count in counts]
+    slope = -np.polyfit(np.log(counts), np.log(errors), 1)[0]
+    assert slope == pytest.approx(order, rel=0.05)
+
+
+def test_a_part_at_rest_has_no_friction(device, constants):
+    q = state_of(np.array([*pressed(0.9, 0.05, 0.0, constants(device)), 0.0, 0.0, 0.0, 0.0]))
+    own, frictionless = (constants(each) for each in (device, device.replace(friction=0.0)))
+    assert rates_at(0.0, q, own) == rates_at(0.0, q, frictionless)
+    moving = q._replace(x_rate=1e-9)
+    assert rates_at(0.0, moving, own).x_rate < rates_at(0.0, q, own).x_rate - 0.1
+
+
+def test_a_part_past_the_edge_is_outside_as_printed_until_its_corners_are_in(device, constants):
+    printed = Variants(alignment_criterion="printed")
+    for readings, inside in ((Variants(), True), (printed, False)):
+        p = constants(device, readings)
+        q = state_of(np.array([*pressed(p.half_width + 1e-3, 0.02, 0.1, p), 0.1, 0.0, 0.0, 0.0]))
+        assert (by_hand.outside(q, p) < 0.0) == inside
