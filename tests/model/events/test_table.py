@@ -1,268 +1,135 @@
-"""Event functions: where each is positive, where it is zero, where it does not apply.
+"""Event functions: in every mode those of the independent solution, and no others."""
 
-States are placed by hand: the part upright unless said otherwise, with the device's a = 1.0476, b =
-4.1057 and slot half-width l = 1.09 a.
-"""
-
-from math import cos, sin
+from itertools import product
 
 import numpy as np
 import pytest
 
 from model.events.event_functions import NEVER
+from model.events.insertion import INSERTION
 from model.events.kernels import MOST_SAMPLES, events_of, level, sample_into
-from model.events.table import EVENTS
-from model.physics.contacts import contact_load, edge_on_face
-from model.physics.modes import (
-    CLOSED,
-    OPEN,
-    RELEASED,
-    SLIP_NEGATIVE,
-    SLIP_POSITIVE,
-    START,
-)
-from model.physics.motion import motion
+from model.events.scenes import ALIGNMENT
+from model.physics.modes import CLOSED, OPEN, RELEASED, SLIP_POSITIVE, START, STICKING
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
-from vibralign import Variants
+from verification.independent.insertion import _Insertion
+from verification.independent.motion import Device
+from verification.independent.motion import Mode as TheirMode
+from verification.independent.printed import CRITERION, PrintedDevice, _PrintedRun
+from vibralign import Batch, Settings, Variants
 
-ALL = events_of(EVENTS)
-ROUNDING = 1e-13
-FREE = START._replace(face=OPEN)
-ON_CORNER = START._replace(face=OPEN, corner=CLOSED, slip_at_corner=True)
-INDEX = {event.name.upper(): number for number, event in enumerate(EVENTS)}
-
-
-@pytest.fixture(scope="module")
-def p(device, constants):
-    return constants(device)
-
-
-@pytest.fixture(scope="module")
-def sample(p):
-    """Values of all event functions by name; ``changes`` alter the upright part at rest."""
-
-    def make(mode, time=0.0, **changes):
-        q = State(0.0, p.half_height + 1.0, 0.0, 0.0, 0.0, 0.0)._replace(**changes)
-        out = np.empty(MOST_SAMPLES)
-        sample_into(ALL, time, q, p, mode, out)
-        return {name: out[index] for name, index in INDEX.items()}
-
-    return make
-
-
-def applying(sample):
-    return {name for name, value in sample.items() if value != NEVER}
-
-
-def test_every_event_has_its_own_number():
-    assert sorted(INDEX.values()) == list(range(len(EVENTS)))
-
-
-# ------------------------------------------------------------------------ event functions of a mode
-
-FLIGHT = {
-    "ALIGNED", "RIGHT_EDGE_ENTERS", "LEFT_EDGE_ENTERS", "RIGHT_CORNER_LANDS", "LEFT_CORNER_LANDS",
-    "RIGHT_WALL", "LEFT_WALL", "OVERTURNED",
+STATES = {"off": OPEN, "on": CLOSED, "released": RELEASED}
+OUR_NAME = {
+    "right enters": "right_edge_enters", "left enters": "left_edge_enters",
+    "face far": "face_far_end", "slip": "support_slip", "inside": "corners_inside",
+    "right lands": "right_corner_lands", "left lands": "left_corner_lands",
+    "right_wall touches": "right_corner_touches", "left_wall touches": "left_corner_touches",
 }  # fmt: skip
-FACE = {"FACE_END", "FACE_FAR_END"}
 
 
-@pytest.mark.parametrize(
-    ("mode", "expected"),
-    [
-        (FREE, FLIGHT),
-        (
-            START,
-            FLIGHT - {"ALIGNED", "RIGHT_EDGE_ENTERS", "RIGHT_WALL"}
-            | FACE | {"FACE_LOAD", "SUPPORT_SLIP"},
-        ),
-        (
-            START._replace(face=RELEASED),
-            FLIGHT - {"ALIGNED", "RIGHT_EDGE_ENTERS", "RIGHT_WALL"}
-            | FACE | {"FACE_GAP", "FACE_RELOAD"},
-        ),
-        (
-            START._replace(edge=LEFT_EDGE),
-            FLIGHT - {"LEFT_EDGE_ENTERS", "LEFT_WALL"} | FACE | {"FACE_LOAD", "SUPPORT_SLIP"},
-        ),
-        (
-            FREE._replace(side=CLOSED),
-            FLIGHT - {"LEFT_EDGE_ENTERS", "LEFT_CORNER_LANDS"}
-            | {"SIDE_LOAD", "SIDE_END", "SIDE_SLIP"},
-        ),
-        (
-            FREE._replace(side=RELEASED),
-            FLIGHT - {"LEFT_EDGE_ENTERS", "LEFT_CORNER_LANDS"}
-            | {"SIDE_GAP", "SIDE_RELOAD", "SIDE_END"},
-        ),
-        (
-            ON_CORNER,
-            FLIGHT - {"RIGHT_CORNER_LANDS", "RIGHT_WALL"}
-            | {"CORNER_LOAD", "CORNER_END", "SUPPORT_SLIP"},
-        ),
-        (FREE._replace(dropped=True), FLIGHT - {"ALIGNED", "RIGHT_WALL"} | {"CORNERS_INSIDE"}),
-    ],
-    ids=["flight", "face", "released", "left face", "side", "side released", "corner", "dropped"],
-)  # fmt: skip
-def test_only_functions_of_the_mode_apply(sample, mode, expected):
-    assert applying(sample(mode)) == expected
+def on_the_base():
+    """(our mode, theirs) with every state of edge, corner and side, sliding and sticking."""
+    for edge, face, corner, side, slides in product(
+        (RIGHT_EDGE, LEFT_EDGE), STATES, STATES, STATES, (STICKING, SLIP_POSITIVE)
+    ):
+        if face == corner == "on":
+            continue  # they share the friction, by loads that no state here is made for
+        offset = 0.01 * (corner != "off")
+        at_corner = corner == "on" and face != "on"
+        ours = START._replace(
+            edge=edge, face=STATES[face], corner=STATES[corner], corner_offset=offset,
+            slip_at_corner=at_corner, support_slip=slides, side=STATES[side], side_slip=slides,
+        )  # fmt: skip
+        yield ours, TheirMode(
+            edge=edge, face=face, corner=corner, offset=offset, slip_at_corner=at_corner,
+            slides=slides, side=side, side_slides=slides,
+        )  # fmt: skip
 
 
-def test_one_function_alone_is_as_in_the_sample(device, constants, random_states):
-    p, out, compared = constants(device), np.empty(MOST_SAMPLES), set()
-    released = START._replace(face=RELEASED, side=RELEASED, corner=RELEASED)
-    for mode in (FREE, START, ON_CORNER._replace(side=CLOSED), released):
-        for q in (State(*y) for y in random_states(20)):
-            sample_into(ALL, 0.3, q, p, mode, out)
-            for which in np.flatnonzero(out[: len(EVENTS)] != NEVER).tolist():
-                alone = level(ALL, which, 0.3, q, p, mode)
-                assert alone == pytest.approx(out[which], rel=1e-13, abs=1e-13), which
-                compared.add(which)
-    assert compared == set(range(len(EVENTS))) - {INDEX["CORNERS_INSIDE"]}  # once it has dropped
+def in_the_slot():
+    """(our mode, theirs) with every state of the contacts on both sides of the slot.
+
+    Slips on the right count the other way round there.
+    """
+    for right, wall, side, left_wall in product(STATES, repeat=4):
+        at = {"slip_at_corner": wall == "on" != right, "slip_at_wall": left_wall == "on" != side}
+        ours = START._replace(
+            face=STATES[right], corner=STATES[wall], side=STATES[side], wall=STATES[left_wall],
+            in_slot=right != "off" or wall != "off", dropped=True, support_slip=SLIP_POSITIVE,
+            side_slip=SLIP_POSITIVE, **at,
+        )  # fmt: skip
+        yield ours, TheirMode(
+            face="off", right_side=right, right_wall=wall, side=side, left_wall=left_wall,
+            dropped=True, slides=-1, side_slides=1, **at,
+        )  # fmt: skip
 
 
-def test_printed_friction_has_no_event(device, constants):
+def flown_in():
+    """A part that has fallen in and does not count as aligned yet: the printed criterion."""
+    yield START._replace(face=OPEN, dropped=True), TheirMode(face="off", dropped=True)
+
+
+def places(count, seed=1):
+    """States all around the slot and over it, up to upside down."""
+    low, high = [-3.0, -0.5, -1.7, -2.0, -2.0, -1.0], [3.0, 5.0, 1.7, 2.0, 2.0, 1.0]
+    return [State(*y) for y in np.random.default_rng(seed).uniform(low, high, (count, 6)).tolist()]
+
+
+CASES = {
+    "on the base": (ALIGNMENT, on_the_base, ()),
+    "as printed": (ALIGNMENT, flown_in, (CRITERION,)),
+    "friction as printed": (ALIGNMENT, on_the_base, ("friction_law",)),
+    "in the slot": (INSERTION, in_the_slot, ()),
+}
+
+
+@pytest.fixture(params=CASES.values(), ids=list(CASES))
+def case(request, device):
+    """(events, constants, independent run, modes)."""
+    scene, modes, printed = request.param
+    settings = Settings(scene=scene, readings=Variants(**dict.fromkeys(printed, "printed")))
+    events = events_of(scene.events)
+    p = events.constants(*settings.rows(Batch.stack([device]))[0].tolist())
+    run = _PrintedRun(PrintedDevice(device, printed), 1e-12)
+    if scene is INSERTION:
+        run = _Insertion(Device(device), 1e-12, p.insertion_depth, "simultaneous")
+    return events, p, run, [*modes()]
+
+
+def test_event_functions_are_those_of_the_independent_solution(case):
+    events, p, run, modes = case
+    names, out, signs = [each.event.name for each in events.all], np.empty(MOST_SAMPLES), set()
+    in_slot = "inserted" in names  # there the paper's corner conditions only record a time
+    for seed, (ours, theirs) in enumerate(modes):
+        functions = run.functions(theirs)
+        for q in places(2400 // len(modes), seed):
+            sample_into(events, 0.3, q, p, ours, out)
+            found = {
+                name.removesuffix("_again"): value
+                for name, value in zip(names, out, strict=False)
+                if value != NEVER and not (in_slot and name == "corners_inside")
+            }
+            expected = {
+                OUR_NAME.get(name, name.replace(" ", "_")): float(function(0.3, np.array(q)))
+                for name, function in functions.items()
+            }
+            assert found == pytest.approx(expected, rel=1e-9, abs=1e-9), ours
+            signs |= {(name, value > 0.0) for name, value in found.items()}
+    once = {name for name, positive in signs if (name, not positive) not in signs}
+    assert not once, "each is met on both sides of zero"
+
+
+def test_one_function_alone_is_as_in_the_sample(case):
+    events, p, _, modes = case
     out = np.empty(MOST_SAMPLES)
-    q = State(0.2, device.half_height - 0.01, 0.0, 0.1, 0.0, 0.0)
-    p = constants(device, Variants(friction_law="printed"))
-    sample_into(ALL, 0.0, q, p, START._replace(support_slip=SLIP_NEGATIVE), out)
-    assert out[INDEX["SUPPORT_SLIP"]] == NEVER
+    for ours, _ in modes[::5]:
+        for q in places(3):
+            sample_into(events, 0.3, q, p, ours, out)
+            for which in np.flatnonzero(out[: len(events.all)] != NEVER).tolist():
+                alone = level(events, which, 0.3, q, p, ours)
+                assert alone == pytest.approx(out[which], rel=1e-13, abs=1e-13), which
 
 
-# ----------------------------------------------------------------------------------- levels by hand
-
-A, B, L = 1.0476, 4.1057, 1.09 * 1.0476
-GAP = L - A  # of the slot on both sides of the upright part
-ON_SIDE = FREE._replace(side=CLOSED, side_slip=SLIP_POSITIVE)
-LEFT_FACE = START._replace(edge=LEFT_EDGE)
-BACKWARD, FORWARD = (START._replace(support_slip=sign) for sign in (SLIP_NEGATIVE, SLIP_POSITIVE))
-LEVELS = [
-    # The edge past the corner, the other corner in the slot, and below the plane: the last counts.
-    ("ALIGNED", FREE, {"y": B - 0.01}, -0.01),
-    ("ALIGNED", FREE, {"y": B - 0.01, "x": GAP + 0.02}, 0.02),
-    ("ALIGNED", FREE, {"y": B - 0.01, "x": -GAP - 0.03}, 0.03),
-    ("ALIGNED", FREE, {"y": B + 0.4}, 0.4),
-    # The face comes down on the edge.
-    ("RIGHT_EDGE_ENTERS", FREE, {"x": 0.5, "y": B + 0.3}, 0.3),
-    ("RIGHT_EDGE_ENTERS", FREE, {"x": 0.5, "y": B}, 0.0),
-    ("RIGHT_EDGE_ENTERS", FREE, {"x": 0.5, "y": B - 0.2}, -0.2),
-    # Over the slot and below the plane the edges stand beside the part, or in its left side.
-    ("RIGHT_EDGE_ENTERS", FREE, {"x": 0.04, "y": B - 0.3}, GAP - 0.04),
-    ("LEFT_EDGE_ENTERS", FREE, {"x": 0.04, "y": B - 0.3}, GAP + 0.04),
-    ("LEFT_EDGE_ENTERS", FREE, {"x": -GAP - 0.02, "y": B - 0.3}, -0.02),
-    # The edge stands at ±l - x along the face; A2 stands y below C along the side.
-    ("FACE_END", START, {"x": 0.1, "y": B}, A - L + 0.1),
-    ("FACE_END", LEFT_FACE, {"x": -0.1, "y": B}, A - L + 0.1),
-    ("FACE_FAR_END", START, {"x": 0.1, "y": B}, A + L - 0.1),
-    ("FACE_FAR_END", LEFT_FACE, {"x": -0.1, "y": B}, A + L - 0.1),
-    ("SIDE_END", ON_SIDE, {"y": B - 0.2}, 0.2),
-    ("SIDE_END", ON_SIDE, {"y": -B + 0.3}, 0.3),
-    ("CORNER_END", ON_CORNER, {"x": 0.3 + GAP}, 0.3),
-    # A contact slides while its own slip keeps its sign.
-    ("SUPPORT_SLIP", FORWARD, {"y": B - 0.01, "x_rate": 0.3}, 0.3),
-    ("SUPPORT_SLIP", FORWARD, {"y": B - 0.01, "x_rate": -0.3}, -0.3),
-    ("SUPPORT_SLIP", BACKWARD, {"y": B - 0.01, "x_rate": 0.3}, -0.3),
-    ("SUPPORT_SLIP", BACKWARD, {"y": B - 0.01, "x_rate": -0.3}, 0.3),
-    ("SIDE_SLIP", ON_SIDE, {"x": -0.1, "y": B - 0.3, "y_rate": 0.2}, 0.2),
-    ("SIDE_SLIP", ON_SIDE, {"x": -0.1, "y": B - 0.3, "y_rate": -0.2}, -0.2),
-]
-
-
-@pytest.mark.parametrize(("name", "mode", "pose", "expected"), LEVELS)
-def test_the_level_of_an_upright_part(sample, name, mode, pose, expected):
-    assert sample(mode, **pose)[name] == pytest.approx(expected, abs=ROUNDING)
-
-
-def test_corners_inside_are_the_papers_four_conditions(p, sample):
-    mode = FREE._replace(dropped=True)
-    gap = p.slot_half_width - p.half_width
-    tilt = 0.02
-    for x, y in [(0.0, p.half_height - 0.1), (gap, p.half_height - 0.1), (0.0, p.half_height)]:
-        corners = [
-            (
-                x + side * p.half_width * cos(tilt) + p.half_height * sin(tilt),
-                y + side * p.half_width * sin(tilt) - p.half_height * cos(tilt),
-            )
-            for side in (1, -1)
-        ]
-        (x1, y1), (x2, y2) = corners
-        expected = max(x1 - p.slot_half_width, -p.slot_half_width - x2, y1, y2)
-        value = sample(mode, x=x, y=y, tilt=tilt)["CORNERS_INSIDE"]
-        assert value == pytest.approx(expected, abs=ROUNDING)
-
-
-# ------------------------------------------------------------------------------ contacts that begin
-
-
-@pytest.mark.parametrize(("side", "name"), [(1, "RIGHT"), (-1, "LEFT")])
-def test_a_corner_lands_beside_the_slot_tilted_down_and_coming_down(p, sample, side, name):
-    tilt = -0.05 * side
-    # Where the corner stands 0.02 below the plane, 0.3 beside the slot.
-    x = side * (p.slot_half_width + 0.3) - (
-        side * p.half_width * cos(tilt) + p.half_height * sin(tilt)
-    )
-    y = -0.02 - (side * p.half_width * sin(tilt) - p.half_height * cos(tilt))
-
-    def lands(**changes):
-        pose = {"x": x, "y": y, "tilt": tilt, "y_rate": -1.0}
-        return sample(FREE, **{**pose, **changes})[f"{name}_CORNER_LANDS"]
-
-    assert lands() < 0.0
-    assert lands(y_rate=1.0) > 0.0  # on its way up
-    assert lands(x=x - 0.5 * side) > 0.0  # over the slot
-    assert lands(y=y + 0.03) > 0.0  # above the plane
-    # Tilted the other way about the same corner it is the upper corner of the face.
-    assert lands(tilt=-tilt, x=x + 2 * p.half_height * sin(tilt)) > 0.0
-
-
-@pytest.mark.parametrize(("side", "name"), [(1, "RIGHT"), (-1, "LEFT")])
-def test_a_corner_meets_the_wall_from_inside_when_the_other_is_higher(p, sample, side, name):
-    tilt = 0.05 * side  # its own corner up: it came from inside the slot, not from above
-    x = side * (p.slot_half_width + 0.01) - (
-        side * p.half_width * cos(tilt) + p.half_height * sin(tilt)
-    )
-    y = -0.3 - (side * p.half_width * sin(tilt) - p.half_height * cos(tilt))
-    s = sample(FREE, x=x, y=y, tilt=tilt)
-    assert s[f"{name}_WALL"] == pytest.approx(-0.01, abs=ROUNDING)
-    s = sample(FREE, x=x - 0.03 * side, y=y, tilt=tilt)
-    assert s[f"{name}_WALL"] == pytest.approx(0.02, abs=ROUNDING)
-
-
-# -------------------------------------------------------------------------------- contacts that end
-
-
-def test_load_gap_and_reload_of_the_face(p, sample, random_states):
-    for x, y, tilt, dx, dy, dtilt in random_states(10):
-        q = State(x, y, tilt, dx, dy, dtilt)
-        face = edge_on_face(RIGHT_EDGE, q, p)
-        load = contact_load(face.depth, face.closing_rate, q, p)
-        closed = sample(START, **q._asdict())
-        released = sample(START._replace(face=RELEASED), **q._asdict())
-        assert closed["FACE_LOAD"] == load
-        assert (released["FACE_GAP"], released["FACE_RELOAD"]) == (face.depth, -load)
-
-
-def test_the_load_of_a_corner_counts_from_its_offset(p, sample):
-    mode = ON_CORNER._replace(corner_offset=0.01)
-    s = sample(mode, x=1.0, y=p.half_height - 0.03)
-    assert s["CORNER_LOAD"] == pytest.approx(p.contact_stiffness * 0.02, abs=1e-11)
-
-
-# ----------------------------------------------------------------------------------------- friction
-
-
-def test_sticking_lasts_while_friction_stays_below_its_limit(p, sample):
-    q = {"x": 0.3, "y": p.half_height - 0.01, "tilt": 0.02}
-    at = motion(0.0, State(**q, x_rate=0.0, y_rate=0.0, tilt_rate=0.0), p, START)
-    margin = sample(START, **q)["SUPPORT_SLIP"]
-    assert margin == pytest.approx(
-        p.friction * at.support_load - abs(at.support_friction), abs=1e-12
-    )
-    assert margin != 0.0
-
-
-def test_overturned_just_below_ninety_degrees_on_both_sides(sample):
-    right, left = (sample(FREE, y=100.0, tilt=tilt)["OVERTURNED"] for tilt in (1.5, -1.5))
-    assert right == left
-    assert 0.0 < right < 0.08
-    assert sample(FREE, y=100.0, tilt=1.58)["OVERTURNED"] < 0.0
+@pytest.mark.parametrize("scene", [ALIGNMENT, INSERTION], ids=lambda scene: scene.name)
+def test_every_event_has_its_own_name(scene):
+    names = [event.name for event in scene.events]
+    assert len({*names}) == len(names)
