@@ -24,9 +24,11 @@ from model.physics.geometry import (
     tips_depth,
 )
 from model.physics.modes import CLOSED, OPEN, RELEASED, START
-from model.physics.motion import motion, support_contact
+from model.physics.motion import motion
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
 from model.physics.parameters import Constants, RoundConstants
+from verification.independent.motion import Mode
+from verification.independent.round import RoundDevice
 
 STEP = 1e-5
 DIFFERENCE = 3e-8  # h²/6 times a third derivative of order 100, plus rounding over h
@@ -168,71 +170,21 @@ def test_the_force_is_along_the_common_normal_of_both_rims(p, side):
 
 
 @SIDES
-def test_the_force_has_the_potential_of_its_depth(p, side):
+@pytest.mark.parametrize("slides", [-1, 0, 1])
+def test_tips_press_slip_and_stick_as_in_the_independent_solution(device, p, side, slides):
+    """There the normal is the gradient of the depth by complex steps, and the drift of the slip."""
+    theirs = RoundDevice(device.replace(half_width=1.0, half_height=4.0, clearance=0.1))
+    ours, their_mode = START._replace(edge=side, support_slip=slides), Mode(side, slides=slides)
     for state in poses(30, side):
-        contact = tips_on_face(side, state, p)
-        for n, own in enumerate(contact.normal):
-            along = State(*state[:3], *np.eye(3)[n].tolist())
-            slope = rate(lambda q: tips_on_face(side, q, p).depth, along)
-            assert own == pytest.approx(-slope, abs=DIFFERENCE)
-        closing = rate(lambda q: tips_on_face(side, q, p).depth, state)
-        assert contact.closing_rate == pytest.approx(closing, abs=DIFFERENCE)
-
-
-@SIDES
-def test_the_slip_is_that_of_the_part_at_the_tips(p, side):
-    for state in poses(30, side):
-        rims, contact = Rims(state, p, side), tips_on_face(side, state, p)
-        arm = rims.tip - rims.centre
-        velocity = np.array([state.x_rate, state.y_rate, 0.0])
-        velocity += state.tilt_rate * np.array([-arm[1], arm[0], 0.0])
-        assert contact.slip == pytest.approx(velocity @ rims.tangent, abs=EXACT)
-        moment = arm[0] * rims.tangent[1] - arm[1] * rims.tangent[0]
-        assert contact.tangent == pytest.approx((*rims.tangent[:2], moment), abs=EXACT)
+        force, turn, groups, frictions, drives = theirs.rates(0.3, np.array(state), their_mode)
+        ((touch,), _, _, load), _ = groups
+        at, contact = motion(0.3, state, p, ours), tips_on_face(side, state, p)
+        assert (at.x, at.y, at.tilt) == pytest.approx((force.real, force.imag, turn), rel=1e-9)
+        found = at.support_load, at.support_friction, at.support_slip, contact.depth, contact.slip
+        expected = load, frictions[0], touch.slip, touch.depth, touch.slip
+        assert found == pytest.approx(expected, rel=1e-9, abs=1e-9)
+        assert at.support_drive == pytest.approx(drives[0], rel=1e-9, abs=1e-9)
         assert contact.slip_row == contact.tangent
-        drift = rate(lambda q: tips_on_face(side, q, p).slip, state)
-        assert contact.slip_drift == pytest.approx(drift, abs=DIFFERENCE)
-
-
-@SIDES
-def test_normal_forces_press_across_the_plane_by_the_wedge_factor(p, side):
-    """In the plane, both tips press with 1/w of their normal forces, at zero depth."""
-    largest = 1.0
-    for sunken in poses(30, side):
-        state, rims = touching(sunken, p, side)
-        normal = tips_on_face(side, state, p).normal
-        wedge = 1.0 / hypot(*rims.normal[:2])
-        assert 1.0 / hypot(*normal[:2]) == pytest.approx(wedge, rel=1e-10)
-        largest = max(largest, wedge)
-    assert largest > 1.1  # it matters
-
-
-def test_the_load_is_the_sum_of_both_tips_and_friction_is_of_the_load(p):
-    for state in poses(10):
-        contact = tips_on_face(RIGHT_EDGE, state, p)
-        load = p.contact_stiffness * contact.depth + p.contact_damping * contact.closing_rate
-        found = support_contact(state, p, START)
-        assert found.load == pytest.approx(load, rel=EXACT)
-        forces = found.x, found.y, found.moment
-        assert forces == pytest.approx([load * each for each in contact.normal], rel=1e-11)
-        slides = START._replace(support_slip=1 if contact.slip > 0.0 else -1)
-        at, free = (motion(0.3, state, each, slides) for each in (p, p._replace(friction=0.0)))
-        friction = -p.friction * load * slides.support_slip
-        assert at.support_friction == pytest.approx(friction, rel=1e-11)
-        assert at.x - free.x == pytest.approx(friction * contact.tangent[0], abs=1e-10)
-
-
-def test_tips_that_stick_stay_at_one_point_of_both_rims(p):
-    """The slip acceleration vanishes, by a force within the tangent."""
-    for state in poses(10):
-        at = motion(0.6, state, p, START)
-        ends = []
-        for time in (STEP, -STEP):
-            pose, rates = np.asarray(state[:3]), np.asarray(state[3:])
-            gained = np.array([at.x, at.y, at.tilt])
-            then = *(pose + time * rates + 0.5 * time**2 * gained), *(rates + time * gained)
-            ends.append(tips_on_face(RIGHT_EDGE, State(*map(float, then)), p).slip)
-        assert (ends[0] - ends[1]) / (2 * STEP) == pytest.approx(0.0, abs=1e-5)
 
 
 # -------------------------------------------------------------------- the vertex, and the other end
