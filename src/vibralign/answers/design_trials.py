@@ -9,9 +9,8 @@ vibrator is not run.
 """
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
-from typing import Any
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,10 +25,11 @@ from vibralign.answers.reliability import (
     DeviceResults,
     Floats,
     are_reliable,
+    joined,
     need_vibration,
     run_devices,
 )
-from vibralign.answers.yields import DEVICES, drawn, nearest_failing
+from vibralign.answers.yields import DEVICES, STAGE, drawn, nearest_failing
 from vibralign.device import StatedDevice
 from vibralign.device.amounts import SIGMAS
 from vibralign.device.batches import Values
@@ -42,7 +42,6 @@ QUARTERS = 4  # the quick trial takes one start of every four
 SCALES = (1.0, 2.0, 3.0)  # distances along a line that are tried, in tolerances
 FARTHEST = SCALES[-1]
 HALVINGS = 3  # a failure along a line is located to 1/8 of a tolerance
-STAGE = 64  # devices after which a check first looks whether a setting holds
 MEASURES = ("time", "contact_force", "tilt", "vibration", *OF_VIBRATOR)
 
 Ints = NDArray[np.int64]
@@ -188,7 +187,7 @@ class Trials:
             some = {name: column[done:last] for name, column in values.items()}
             parts.append(self._run_from(stated, some, self.starts))
             holds, done = bool(self._is_good(parts[-1]).all()), last
-        whole = _joined(parts)
+        whole = joined(parts)
         if not whole.inside.all():  # what starts inside the hole is not counted
             whole = whole[~whole.inside]
         done = len(whole.goes_in)
@@ -231,7 +230,7 @@ class Trials:
                 starts = self.starts[quarter::quarters]
                 parts.append(self._run_from(self.stated, some, starts))
                 rows.append(own)
-        return _joined(parts, np.argsort(np.concatenate(rows)))
+        return joined(parts, np.argsort(np.concatenate(rows)))
 
     def _run_from(self, stated: StatedDevice, values: Values, starts: Starts) -> DeviceResults:
         self.runs.take(len(next(iter(values.values()))) * len(starts))
@@ -299,20 +298,3 @@ class Trials:
         normal = [each.kind == "normal" for each in self.stated.tolerances.values()]
         around[:, normal] = stats.norm.ppf(cube[:, normal]) / SIGMAS
         return np.concatenate([np.zeros((1, size)), around]), lines
-
-
-def _joined(parts: Sequence[DeviceResults], order: Ints | None = None) -> DeviceResults:
-    """Return the results of all parts, in another order of the devices if it is given.
-
-    ``times`` holds the longest time of a device only, shape (n, 1).
-    """
-
-    def join(name: str) -> Any:
-        columns = [getattr(part, name) for part in parts]
-        if isinstance(columns[0], Mapping):
-            return {key: np.concatenate([each[key] for each in columns]) for key in columns[0]}
-        return np.concatenate(columns)
-
-    names = [each.name for each in fields(DeviceResults) if each.name != "times"]
-    whole = DeviceResults(times=join("time")[:, None], **{name: join(name) for name in names})
-    return whole if order is None else whole[order]

@@ -7,7 +7,7 @@ changes them.
 """
 
 import itertools
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -180,6 +180,24 @@ def run_devices(
         impossible=impossible,
         on_chamfers=on_chamfers,
     )
+
+
+def joined(parts: Sequence[DeviceResults], order: NDArray[np.int64] | None = None) -> DeviceResults:
+    """Return the results of all parts, in another ``order`` of the devices if it is given.
+
+    If parts have different numbers of cases, ``times`` holds the longest of a device, shape (n, 1).
+    """
+
+    def join(name: str) -> Any:
+        columns = [getattr(part, name) for part in parts]
+        if isinstance(columns[0], Mapping):
+            return {key: np.concatenate([each[key] for each in columns]) for key in columns[0]}
+        if name == "times" and len({each.shape[1] for each in columns}) > 1:
+            return join("time")[:, None]
+        return np.concatenate(columns)
+
+    whole = DeviceResults(*(join(each.name) for each in fields(DeviceResults)))
+    return whole if order is None else whole[order]
 
 
 def can_be(stated: StatedDevice, values: Values) -> NDArray[np.bool_]:

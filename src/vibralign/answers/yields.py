@@ -8,7 +8,7 @@ failure and of time is due to which tolerance; their interval is that of a boots
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -22,7 +22,13 @@ from model.sweeps.settings import Ensemble
 from model.sweeps.starts import Starts
 from vibralign.answers.approaches import in_worst_approach
 from vibralign.answers.cases import cases_of, stated_case
-from vibralign.answers.reliability import DeviceResults, Floats, need_vibration, run_devices
+from vibralign.answers.reliability import (
+    DeviceResults,
+    Floats,
+    joined,
+    need_vibration,
+    run_devices,
+)
 from vibralign.device import StatedDevice, Tolerance
 from vibralign.device.runs import AnyDevice, device_of
 
@@ -31,7 +37,9 @@ QUANTILES = (0.05, 0.5, 0.95)
 DEVICES = 4096  # a power of two
 DIGITS = 6  # of the values of a drawn device
 INDEX_POINTS = 256  # points of the Sobol' indices, a power of two
-INDEX_STARTS = 4  # the indices take every fourth start
+INDEX_STARTS = 4, 12  # the indices take every fourth start, and at most so many
+STAGE = 64  # devices after which the yield is looked at first
+POOR, WIDE = 0.95, 0.1  # a yield that is surely lower is known well enough within this interval
 WIDEST = 0.6  # interval of an index that is known
 _BLAMED = 0.05  # index from which a tolerance is named
 
@@ -189,11 +197,22 @@ def yield_of(
     devices: int = DEVICES,
     seed: int = 0,
     indices: bool = True,
+    required: float | None = None,
+    tell: Callable[[int, int], None] = lambda _done, _most: None,
 ) -> tuple[Yield, DeviceResults]:
     """Return the yield of a device with tolerances, and the results of the drawn devices.
 
-    By default, ``starts`` are those of the study, on every base if none is stated, and ``settings``
-    are the defaults in the insertion scene. Without ``indices`` no Sobol' indices are computed.
+    Args:
+        stated: a device of a file, as ``simulate`` takes it.
+        starts: None for those of the study, on every base if none is stated.
+        settings: settings of the runs; None for the defaults, in the insertion scene.
+        cores: number of threads.
+        devices: most devices drawn, a power of two. Fewer are drawn if the yield is surely below
+            ``POOR``, known within ``WIDE``, and not ``required``.
+        seed: of the devices.
+        indices: False to compute no Sobol' indices.
+        required: yield that is asked for, on which the answer has to decide.
+        tell: called after each part with the number of runs done, and the most that are needed.
 
     Raises:
         ValueError: a device without tolerances, or a number that is no power of two.
@@ -209,11 +228,20 @@ def yield_of(
     if not stated.tolerances:
         raise ValueError(f"{stated.source}: no quantity has a tolerance, such as 10 N ± 5 %")
     check_devices(devices)
-    results = run_devices(stated, drawn(stated, devices, seed), starts, settings, cores)
-    inside = int(results.inside.sum())
-    results = results[~results.inside]
-    counted = devices - inside
-    going_in, runs = int(results.goes_in.sum()), devices * len(starts)
+    some = starts[:: max(INDEX_STARTS[0], -(-len(starts) // INDEX_STARTS[1]))]
+    of_indices = INDEX_POINTS * (len(stated.tolerances) + 1) * len(some) if indices else 0
+    values, parts, done = drawn(stated, devices, seed), list[DeviceResults](), 0
+    known = False
+    while done < devices and not known:
+        last = min(max(STAGE, 4 * done), devices)
+        few = {name: column[done:last] for name, column in values.items()}
+        parts.append(run_devices(stated, few, starts, settings, cores))
+        known, done = _is_known(joined(parts), required), last
+        tell(done * len(starts), (done if known else devices) * len(starts) + of_indices)
+    results = joined(parts)
+    inside, runs = int(results.inside.sum()), done * len(starts)
+    results, counted = results[~results.inside], done - inside
+    going_in = int(results.goes_in.sum())
     low, high = interval(going_in, counted)
     largest = results.largest
     if "vibration" in stated.limits and counted:
@@ -222,9 +250,8 @@ def yield_of(
         largest["vibration"] = float(needs.mean())
     sobol: tuple[SobolIndices, ...] = ()
     if indices and going_in:
-        some = starts[::INDEX_STARTS]
         sobol = sobol_indices_of(stated, some, settings, cores, seed=seed)
-        runs += INDEX_POINTS * (len(stated.tolerances) + 1) * len(some)
+        runs += of_indices
     result = Yield(
         devices=counted,
         going_in=going_in,
@@ -245,6 +272,14 @@ def yield_of(
         impossible=int(results.impossible.sum()),
     )
     return result, results
+
+
+def _is_known(results: DeviceResults, required: float | None) -> bool:
+    """Return whether a yield is known well enough: surely poor, and on one side of ``required``."""
+    counted = results.goes_in[~results.inside]
+    low, high = interval(int(counted.sum()), counted.size)
+    decided = required is None or not low < required < high
+    return high < POOR and high - low < WIDE and decided
 
 
 def nearest_failing(

@@ -50,8 +50,6 @@ if TYPE_CHECKING:
     from vibralign.answers.yields import FailingDevice, Yield
     from vibralign.device import StatedDevice
 
-_FEW = 256  # devices drawn where the stated device goes in from no start: the yield is low
-
 
 def add(commands: Any) -> None:
     """Add the command to the parsers of ``vibralign``."""
@@ -75,7 +73,8 @@ def add(commands: Any) -> None:
     words = "exit with 1 unless, with 95 %% confidence, the yield is at least this, or the share "
     words += "of what is possible"
     add("--require", metavar="YIELD", help=words)
-    words = "devices drawn within the tolerances, a power of two (default: 4096)"
+    words = "most devices drawn within the tolerances, a power of two (default: 4096); fewer if "
+    words += "the yield is surely below 95 %%, known within 10 %%, and not asked for by --require"
     add("--devices", metavar="N", default="4096", help=words)
     words = "print below the sheet each approach, base and tilt, all leeways, and what is assumed"
     add("--details", action="store_true", help=words)
@@ -102,6 +101,7 @@ def _assess(arguments: argparse.Namespace) -> int:
     from vibralign.answers.assess import assess  # noqa: PLC0415  (only this command)
     from vibralign.answers.cases import cases_of  # noqa: PLC0415
     from vibralign.answers.limits import limit_results  # noqa: PLC0415
+    from vibralign.answers.sheet import verdict_words  # noqa: PLC0415
 
     ensemble, cores = Ensemble(), os.cpu_count() or 1
     result, drawn, nearest = None, None, None
@@ -114,7 +114,13 @@ def _assess(arguments: argparse.Namespace) -> int:
             worst = result and stated.lowered(result.worst)
             stated = worst or in_worst_approach(stated, settings, ensemble, cores)
             cases = cases_of(stated, ensemble, varied=stated.tolerances)
-            drawn, nearest = _drawn(result, stated, cases, settings, cores, devices)
+            said = "devices within the tolerances, fewer with a smaller --devices; until then: "
+            said += verdict_words(result) if result else needless
+            drawn, nearest = _drawn(
+                result, stated, cases, settings, cores,
+                devices=devices, required=required,
+                tell=lambda runs, most: line.forecast(most - runs, said),
+            )  # fmt: skip
     limits = limit_results(stated, result, drawn, settings) if stated is not None else ()
     kept = all(each.exceeding is None for each in limits)
     met = drawn is None or required is None or (drawn.meets(required) and kept)
@@ -237,16 +243,14 @@ def _drawn(
     cases: "Starts",
     settings: "Settings",
     cores: int,
-    devices: int,
+    **options: Any,
 ) -> tuple["Yield", "FailingDevice | None"]:
     """Return the yield of a device, and the nearest drawn device that fails."""
     from vibralign.answers import yields  # noqa: PLC0415  (scipy)
     from vibralign.answers.reliability import STATISTICAL_TOLERANCE  # noqa: PLC0415
 
     settings = replace(settings, tolerance=max(settings.tolerance, STATISTICAL_TOLERANCE))
-    if result is not None and not result.aligned:
-        devices = min(devices, _FEW)
-    drawn, results = yields.yield_of(stated, cases, settings, cores, devices=devices)
+    drawn, results = yields.yield_of(stated, cases, settings, cores, **options)
     if result is not None and result.failing_start is not None:
         return drawn, None
     return drawn, yields.nearest_failing(stated, results, cases)

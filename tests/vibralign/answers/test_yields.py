@@ -53,7 +53,7 @@ def test_devices_that_cannot_be_count_as_not_going_in_and_are_said(name, text, s
     changes = {"misalignment": "2 mm", "contact_stiffness": "300 kN/m", name: text}
     stated = load_device(PEG, changes)
     found, results = yield_of(stated, STARTS[:1], COARSE, devices=256, indices=False)
-    assert found.impossible == pytest.approx(256 * share, abs=4)
+    assert found.impossible == pytest.approx(found.devices * share, abs=4)
     assert not (results.goes_in & results.impossible).any()
     assert found.share <= 1.0 - found.impossible / found.devices
     sets = [word for each in changes.items() for word in ("--set", "=".join(each))]
@@ -115,6 +115,23 @@ def test_the_quantity_that_fails_is_to_blame(monkeypatch):
     assert found.low < 0.9 < found.high  # of u + 0.2 v > 0.8 on (-1, 1)²: a tenth
     assert found.sobol_indices[0].quantity == "friction"
     assert found.sobol_indices[0].failure > 0.8
+
+
+@pytest.mark.parametrize(
+    ("most", "required", "expected"),
+    [(0.0, None, 64), (0.4, None, 1024), (0.4, 0.4, 4096), (0.99, None, 4096), (1.0, None, 4096)],
+)
+def test_fewer_devices_tell_that_a_yield_is_poor(monkeypatch, most, required, expected):
+    """By Wilson's interval: 5.7 % wide for 0 of 64, 12 % for 40 % of 256, 6 % of 1,024."""
+    stated = peg(friction="± 0.05")
+    oracle(monkeypatch, lambda v: v["friction"] > 0.1 + 0.1 * most)
+    told = []
+    given = {"indices": False, "required": required, "tell": lambda *runs: told.append(runs)}
+    found, results = yield_of(stated, STARTS, COARSE, **given)
+    assert found.devices == len(results.goes_in) == expected
+    assert found.share == pytest.approx(most, abs=0.02)
+    assert told[0] == (64 * 3, 64 * 3 if expected == 64 else 4096 * 3)
+    assert told[-1] == (expected * 3, expected * 3) == (found.runs, found.runs)
 
 
 def test_too_few_failures_blame_no_tolerance(monkeypatch):
