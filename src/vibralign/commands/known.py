@@ -3,10 +3,13 @@
 import argparse
 import os
 import shlex
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from model.physics.quantities import TIME
-from vibralign.answers.si import named_words, si_list, written_words
+from vibralign.answers.assumptions import assumptions, lines_of
+from vibralign.answers.reliability import STATISTICAL_TOLERANCE
+from vibralign.answers.si import named_words, si_list, si_words, written_words
 from vibralign.commands.arguments import Inputs, announce_compilation, set_options
 from vibralign.commands.files import check_picture, writing
 from vibralign.commands.progress import ProgressLine
@@ -36,7 +39,7 @@ def refuse_options(arguments: argparse.Namespace, command: str, *names: str) -> 
 
 def assess_in_part(arguments: argparse.Namespace, given: Inputs, required: float | None) -> int:
     """Answer ``assess`` for a device with unknown quantities; return the exit code."""
-    refuse_options(arguments, "assess", "sheet", "bases", "details")
+    refuse_options(arguments, "assess", "sheet", "bases")
     device = given.stated
     assert device is not None  # noqa: S101  (it has unknown quantities)
     if arguments.plot is not None:
@@ -53,9 +56,11 @@ def assess_in_part(arguments: argparse.Namespace, given: Inputs, required: float
         print_json(_record(found) | {"required": required, "met": met})
     else:
         head = [_line("device", device.source), *_unknown_lines(device)]
-        print("\n".join([*head, *possible_lines(found, device)]))
+        print("\n".join([*head, *possible_lines(found, device, _horizon(device, given))]))
         if required is not None:
             print(_line("required", f"{100.0 * required:.4g} %: {'met' if met else 'not met'}"))
+        if arguments.details:
+            print("\n".join(_details(device, given)))
     _plot(arguments, found, device)
     return int(not met)
 
@@ -77,10 +82,32 @@ def design_in_part(arguments: argparse.Namespace, given: Inputs) -> int:
     else:
         head = [_line("device", device.source), *_unknown_lines(device)]
         words = f"{named_words(found.setting, own)} (of {found.tried} settings tried)"
-        print("\n".join([*head, _line("setting", words), *possible_lines(found.possible, own),
-                         *_worth_lines(found)]))  # fmt: skip
+        lines = possible_lines(found.possible, own, _horizon(own, given))
+        print("\n".join([*head, _line("setting", words), *lines, *_worth_lines(found)]))
     _plot(arguments, found.possible, own)
     return int(not found.possible.reliable.all())
+
+
+def _details(device: "StatedDevice", given: Inputs) -> list[str]:
+    """Return what is assumed, and the command that gives the details of one possible device."""
+    precision = max(given.settings.tolerance, STATISTICAL_TOLERANCE)
+    settings = replace(given.settings, tolerance=precision)
+    assumed = assumptions(device.parameters, settings, device)
+    del assumed["touch-down"]  # of one run
+    words = f"of the middle of the ranges, forces and leeways: `{_of_middle(device)} --details`"
+    return [*lines_of(assumed), _line("details", words)]
+
+
+def _of_middle(device: "StatedDevice") -> str:
+    """Return the command that assesses the device in the middle of its ranges."""
+    middle = {name: written_words(name, device.quantities[name], device) for name in device.unknown}
+    words = " ".join(set_options({**device.changes, **middle}).values())
+    return f"vibralign assess --device {shlex.quote(str(device.source))} {words}"
+
+
+def _horizon(device: "StatedDevice", given: Inputs) -> float:
+    """Return the horizon in s of the runs of a device that states what else it has."""
+    return device.horizon or given.settings.horizon * device.units.time
 
 
 def _plot(arguments: argparse.Namespace, found: "Possible", device: "StatedDevice") -> None:
@@ -121,8 +148,8 @@ def _unknown_lines(device: "StatedDevice") -> list[str]:
     return ["unknown:", *in_columns(rows)]
 
 
-def possible_lines(found: "Possible", device: "StatedDevice") -> list[str]:
-    """Return the lines of the verdict over what is possible."""
+def possible_lines(found: "Possible", device: "StatedDevice", horizon: float) -> list[str]:
+    """Return the lines of the verdict over what is possible; the ``horizon`` of its runs in s."""
     low, high = found.interval
     share = f"{100.0 * found.share:.3g} %"
     words = f"reliable for {share} of what is possible"
@@ -133,6 +160,10 @@ def possible_lines(found: "Possible", device: "StatedDevice") -> list[str]:
     words += f" ({100.0 * low:.3g} to {100.0 * high:.3g} %, 95 % confidence)"
     tried = f"{found.reliable.size} sets of the unknowns, each from {found.touch_downs} touch-downs"
     lines = [_line("verdict", words), _line("tried", f"{tried} within the tolerances")]
+    if found.undecided:
+        words = f"{100.0 * found.undecided:.3g} % of what is possible neither goes in nor stops "
+        words += f"within the horizon of {si_words(horizon, TIME)}: is it reliable with --horizon "
+        lines.append(_line("too short", f"{words}'{si_words(4.0 * horizon, TIME)}'?"))
     longest = found.longest[found.reliable]
     if longest.size:
         import numpy as np  # noqa: PLC0415  (as above)
@@ -142,11 +173,8 @@ def possible_lines(found: "Possible", device: "StatedDevice") -> list[str]:
             _line("longest time", f"{times} until aligned (5, 50, 95 % of the reliable sets)")
         )
     if not found.reliable.any():
-        middle = {name: written_words(name, device.quantities[name], device)
-                  for name in device.unknown}  # fmt: skip
-        words = " ".join(set_options({**device.changes, **middle}).values())
-        command = f"vibralign assess --device {shlex.quote(str(device.source))} {words}"
-        lines.append(_line("next", f"the cause in the middle of the ranges: `{command}`"))
+        words = f"the cause in the middle of the ranges: `{_of_middle(device)}`"
+        lines.append(_line("next", words))
     if "vibration" in device.limits:
         lines.append(_line("not checked", "the limit of vibration, over what is possible"))
     fewest = min(int(found.reliable.sum()), int((~found.reliable).sum()))
@@ -181,5 +209,6 @@ def _record(found: "Possible") -> dict[str, Any]:
         "sets": int(found.reliable.size),
         "touch_downs": found.touch_downs,
         "doubt": found.doubt,
+        "undecided": found.undecided,
         "unknowns": [each._asdict() for each in found.unknowns],
     }

@@ -1,7 +1,7 @@
 """Reading of device files: YAML with a line NAME: VALUE for each quantity."""
 
 import contextlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, get_args
 
@@ -65,19 +65,33 @@ def load_device(
         )
         if mapping.get("shape") is not None:
             check_name(str(mapping["shape"]), get_args(Shape), "shape")
-        # Refuses unknown and missing quantities, before anything is computed from them.
-        known = {n: v for n, v in stated.quantities.items() if n not in BASE}
-        device(as_parameters(with_parameters(known)))
-        with contextlib.suppress(NoNeedError):
-            stated.admitted({})
-        _check_tolerances(stated)
-        _check_ranges("free", stated.free, stated)
-        _check_ranges("unknown", stated.unknown, stated)
+        with _adding(stated.needed_in_part if ranges else ""):
+            _check(stated)
     except ValueError as error:
         raise DeviceError(f"{path}: {error}") from None
     if stated.needless and not needless:
         raise NoNeedError(f"{path}: {stated.needless}")
     return stated
+
+
+@contextlib.contextmanager
+def _adding(more: str) -> Iterator[None]:
+    """Add what else will be refused to the message of a refusal."""
+    try:
+        yield
+    except ValueError as error:
+        raise ValueError(f"{error}; {more}" if more else str(error)) from None
+
+
+def _check(stated: StatedDevice) -> None:
+    """Refuse unknown and missing quantities, before anything is computed from them."""
+    known = {n: v for n, v in stated.quantities.items() if n not in BASE}
+    device(as_parameters(with_parameters(known)))
+    with contextlib.suppress(NoNeedError):
+        stated.admitted({})
+    _check_tolerances(stated)
+    _check_ranges("free", stated.free, stated)
+    _check_ranges("unknown", stated.unknown, stated)
 
 
 class _Loader(files.Loader):  # type: ignore[misc]

@@ -271,6 +271,19 @@ class StatedDevice(Value):
         """True if the file states how stiff the base is."""
         return self.materials is not None or "contact_stiffness" in self.quantities
 
+    @property
+    def needed_in_part(self) -> str:
+        """What is neither stated nor unknown, though a device known in part needs it, in words."""
+        is_missing = {
+            "approach_speed: 10 mm/s": not self.sudden and "approach_speed" not in self.quantities,
+            "vibrator: running (or still)": not self.sudden and self.vibrator is None,
+            "gripper_tilt: 0 ± 0.1 deg": GRIPPER_TILT not in self.quantities,
+            "contact_stiffness: 1 MN/m (or materials and edge_radius)": not self.base_is_stated,
+        }
+        lines = "; ".join(line for line, is_so in is_missing.items() if is_so)
+        words = "a share of what is possible needs these lines, or ranges of them below unknown"
+        return f"{words}: {lines}" if lines else ""
+
     def warn(self, at: Mapping[str, float] | None = None) -> None:
         """Warn of what is doubtful, or of what is doubtful only with the values ``at`` of axes."""
         found = self.doubts

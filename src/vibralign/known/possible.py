@@ -8,23 +8,25 @@ A set is *reliable* if the device goes in from every touch-down tried, within th
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import scipy
 from numpy.typing import NDArray
 
 from model.events.insertion import INSERTION
-from model.events.outcomes import SUCCESSES
+from model.events.outcomes import SUCCESSES, Outcome
 from model.physics.tables import Value
 from model.runs.align import run_once
 from model.runs.settings import Settings
 from model.sweeps.io import DatasetError
+from vibralign.answers.causes import STICKS
 from vibralign.answers.reliability import STATISTICAL_TOLERANCE, Floats, can_be
 from vibralign.answers.yields import distribution, interval
 from vibralign.device import StatedDevice, load_device
 from vibralign.device.batches import devices_of
 from vibralign.device.limits import OF_VIBRATOR, of_vibrator
-from vibralign.device.mouth import GRIPPER_TILT, judged
+from vibralign.device.mouth import judged
 from vibralign.known import doubt
 
 SETS = 512  # sets of the unknowns, a power of two
@@ -48,20 +50,8 @@ def check_known(device: StatedDevice) -> None:
             f"{device.source}: nothing is unknown; state, for example, "
             "unknown: {friction: 0.1 to 0.3}"
         )
-    missing = []
-    if not device.sudden and "approach_speed" not in device.quantities:
-        missing.append("approach_speed: 10 mm/s")
-    if not device.sudden and device.vibrator is None:
-        missing.append("vibrator: running (or still)")
-    if GRIPPER_TILT not in device.quantities:
-        missing.append("gripper_tilt: 0 ± 0.1 deg")
-    if not device.base_is_stated:
-        missing.append("contact_stiffness: 1 MN/m (or materials and edge_radius)")
-    if missing:
-        raise ValueError(
-            f"{device.source}: a share of what is possible needs these lines, or ranges of them "
-            f"below unknown: {'; '.join(missing)}"
-        )
+    if device.needed_in_part:
+        raise ValueError(f"{device.source}: {device.needed_in_part}")
 
 
 def sets_of(device: StatedDevice, count: int, seed: int = 0) -> dict[str, Floats]:
@@ -125,11 +115,13 @@ class Runs:
         time: alignment time in s, 0 if it starts inside the hole; NaN if it does not go in.
         force: largest contact force in N.
         tilt: largest tilt in rad.
+        late: True if it has neither gone in nor stopped at the horizon, and still moves.
     """
 
     time: Floats
     force: Floats
     tilt: Floats
+    late: NDArray[np.bool_]
 
     def reliable(self, limits: Mapping[str, float]) -> NDArray[np.bool_]:
         """Return where it goes in from every touch-down, within ``limits``, shape (n,)."""
@@ -138,6 +130,11 @@ class Runs:
             if name in limits:
                 found &= np.fmax.reduce(each, axis=1, initial=0.0) <= limits[name]
         return np.asarray(found)
+
+    def undecided(self, limits: Mapping[str, float]) -> NDArray[np.bool_]:
+        """Return where nothing but the horizon keeps it from being reliable, shape (n,)."""
+        in_time = replace(self, time=np.where(self.late, 0.0, self.time))
+        return in_time.reliable(limits) & ~self.reliable(limits)
 
 
 def run_sets(
@@ -166,10 +163,15 @@ def run_sets(
     found = judged(found, batch.values, chamfered=device.is_chamfered)
     goes_in = np.isin(found["outcome"], SUCCESSES) & ~impossible
     time = np.where(goes_in, found["tau_align"] * second, np.nan)
+    slow = (found["outcome"] == Outcome.HORIZON_REACHED) & (found["sticking_share"] < STICKS)
     if horizon is not None:
+        slow |= time > horizon
         time = np.where(time <= horizon, time, np.nan)
+    last = own.horizon * second if horizon is None else horizon
+    late = slow & ~impossible & (last < device.limits.get("time", np.inf))
     force = found["contact_force_max"] * [each.force for each in units]
-    return Runs(*(each.reshape(n, m) for each in (time, force, found["tilt_max"])))
+    columns: tuple[NDArray[Any], ...] = time, force, found["tilt_max"], late
+    return Runs(*(each.reshape(n, m) for each in columns))
 
 
 def exceeds_vibrator(device: StatedDevice) -> bool:
@@ -188,6 +190,7 @@ class Possible(Value):
         longest: longest alignment time in s of each set, NaN if it fails somewhere, shape (n,).
         touch_downs: number of touch-downs.
         unknowns: part of each unknown in the verdict, the one that decides most first.
+        undecided: share of what is possible that only the horizon keeps from being reliable.
     """
 
     sets: Sets
@@ -195,6 +198,7 @@ class Possible(Value):
     longest: Floats
     touch_downs: int
     unknowns: tuple[doubt.Unknown, ...]
+    undecided: float = 0.0
 
     @property
     def share(self) -> float:
@@ -257,9 +261,9 @@ def known_in_part(
     device, settings = stated(device), settings or Settings(scene=INSERTION)
     tried = sets_of(device, sets, seed)
     runs = run_sets(device, tried, touch_downs(device, touch_downs_tried), settings, cores)
-    reliable = runs.reliable(device.limits)
+    reliable, undecided = runs.reliable(device.limits), runs.undecided(device.limits)
     if exceeds_vibrator(device):
-        reliable[:] = False
+        reliable[:], undecided[:] = False, False
     longest = runs.time.max(axis=1)
     unknowns = doubt.unknowns_of(device.unknown, tried, reliable)
-    return Possible(tried, reliable, longest, touch_downs_tried, unknowns)
+    return Possible(tried, reliable, longest, touch_downs_tried, unknowns, float(undecided.mean()))

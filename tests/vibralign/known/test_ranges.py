@@ -1,6 +1,9 @@
 """Ranges of what is unknown: reading, refusals, and a verdict over what is possible."""
 
 import json
+import re
+import shlex
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -98,9 +101,13 @@ def test_single_values_are_asked_for_where_they_are_needed(tmp_path, capsys):
         assert "friction, lateral_stiffness: unknown" in capsys.readouterr().err
     with pytest.raises(ValueError, match="known_in_part"):
         simulate(path)
-    missing = device_file(tmp_path, PART.replace("gripper_tilt: 0 deg\n", ""))
-    assert cli.main(["assess", "--device", str(missing)]) == cli.REFUSED
-    assert "gripper_tilt: 0 ± 0.1 deg" in capsys.readouterr().err
+    bare = PART.replace("gripper_tilt: 0 deg\n", "")
+    missing = bare.replace("contact_stiffness: 1 MN/m", "materials: POM on steel")
+    for text, words in ((bare, ""), (missing, "materials needs edge_radius")):
+        assert cli.main(["assess", "--device", str(device_file(tmp_path, text))]) == cli.REFUSED
+        said = capsys.readouterr().err
+        assert words in said
+        assert "gripper_tilt: 0 ± 0.1 deg" in said
 
 
 def test_the_unknown_that_decides_is_named_with_its_border():
@@ -138,6 +145,7 @@ def test_a_set_is_reliable_as_its_own_runs_say(tmp_path):
         expected = one.tau_align * one.units.time
         np.testing.assert_allclose(runs.time[i, j], expected, rtol=1e-3)
     found = known_in_part(device, settings, sets=4, touch_downs_tried=4)
+    assert not runs.late.any()
     assert found.reliable.tolist() == np.isfinite(runs.time).all(axis=1).tolist()
     strict = load_device(device_file(tmp_path, PART + "limits: {time: 1 us}"))
     assert not known_in_part(strict, settings, sets=4, touch_downs_tried=4).reliable.any()
@@ -151,9 +159,36 @@ def test_assess_answers_over_what_is_possible(tmp_path, capsys):
     assert record["interval"][0] <= record["share"] <= record["interval"][1]
     assert {each["name"] for each in record["unknowns"]} == {"friction", "lateral_stiffness"}
     assert picture.stat().st_size > 0
-    for option in (["--sheet", str(tmp_path / "a.html")], ["--bases"], ["--details"]):
+    for option in (["--sheet", str(tmp_path / "a.html")], ["--bases"]):
         assert cli.main(["assess", "--device", str(path), *option]) == cli.REFUSED
         assert "while quantities are unknown" in capsys.readouterr().err
+
+
+def test_a_share_that_only_the_horizon_limits_is_said(tmp_path, capsys):
+    """At a horizon of 40 ms nothing is in; the slowest set takes 282 ms (horizon not reached)."""
+    path = device_file(tmp_path)
+    assert cli.main(["assess", "--device", str(path), "--horizon", "40 ms"]) == cli.DONE
+    words = "too short       100 % of what is possible neither goes in nor stops within the horizon"
+    assert f"{words} of 40 ms: is it reliable with --horizon '160 ms'?" in capsys.readouterr().out
+    device, settings = replace(load_device(path), horizon=0.04), Settings(scene=INSERTION)
+    few = {"sets": 8, "touch_downs_tried": 4}
+    assert known_in_part(device, settings, **few).undecided == 1.0
+    assert known_in_part(replace(device, horizon=None), settings, **few).undecided == 0.0
+    limited = replace(device, limits={"time": 0.03})  # by then it has failed
+    assert known_in_part(limited, settings, **few).undecided == 0.0
+    stuck = load_device(path, {"amplitude": "0.02 mm"})  # a longer horizon does not help
+    assert known_in_part(stuck, settings, **few).undecided == 0.0
+
+
+def test_the_details_of_ranges_say_what_is_assumed_and_what_to_run(tmp_path, capsys):
+    path = device_file(tmp_path)
+    line = ["assess", "--details", "--horizon", "5 ms", "--device", str(path)]
+    assert cli.main(line) == cli.DONE
+    said = capsys.readouterr().out
+    assert "\n  base        contact stiffness 1 MN/m (as stated)" in said
+    assert "\n  horizon     5 ms" in said
+    [command] = re.findall(r"^details .*`(.*)`$", said, re.MULTILINE)
+    assert cli.main([*shlex.split(command)[1:], "--horizon", "5 ms"]) == cli.DONE
 
 
 def test_the_setting_covers_most_of_what_is_possible(tmp_path):
