@@ -31,13 +31,14 @@ from vibralign.answers.cases import (
     stated_case,
     without_approach,
 )
-from vibralign.answers.causes import cause_of, first_change
+from vibralign.answers.causes import Cause, cause_of, first_change
 from vibralign.answers.leeways import (
     ADDED,
     VARIED,
     Leeway,
     Nearest,
     a_step_inside,
+    confirmed,
     leeways,
     nearest,
     together,
@@ -55,6 +56,7 @@ from vibralign.answers.verdicts import Verdict, bases_in, ends_of, verdicts_on
 from vibralign.device import StatedDevice
 from vibralign.device.approach import Approach
 from vibralign.device.batches import Values
+from vibralign.device.limits import of_vibrator
 from vibralign.device.mouth import GRIPPER_TILT
 from vibralign.device.runs import AnyDevice, device_of, of_device, settings_for
 
@@ -84,7 +86,9 @@ class Assessment(Value):
         cause: why the failing case fails, in words; empty if none fails.
         change: the first change that makes it reliable, tried: values of one parameter or two, in
             SI units for a device of a file; empty if none was found. A change of one parameter goes
-            a step (6 %) beyond the nearest reliable value, if that is reliable as well.
+            a step (6 %) beyond the nearest reliable value, if that is reliable as well. It keeps
+            the limits of the file, if any change tried does.
+        change_exceeds: names of the limits that the change exceeds, since none tried keeps them.
         if_square: verdict on a square part in its place; None if the shape is stated.
         tilts: verdicts on the gripper's tilts that are tried, its own first; empty if only one is.
         tilt_range: range of the gripper's tilt in which it succeeds in all other cases; None if
@@ -113,6 +117,7 @@ class Assessment(Value):
     inserted: tuple[float, float] = (math.nan, math.nan)
     cause: str = ""
     change: Mapping[str, float] = field(default_factory=dict)
+    change_exceeds: tuple[str, ...] = ()
     if_square: Verdict | None = None
     tilts: tuple[Verdict, ...] = ()
     tilt_range: Leeway | None = None
@@ -200,9 +205,10 @@ class _Asked:
     cases: Starts
     settings: Settings
     cores: int
+    limits: Mapping[str, float] = field(default_factory=dict)
 
     def reliable(self, values: Values) -> NDArray[np.bool_]:
-        return are_reliable(self.device, values, self.cases, self.settings, self.cores)
+        return are_reliable(self.device, values, self.cases, self.settings, self.cores, self.limits)
 
     def roughly(self, values: Values) -> NDArray[np.bool_]:
         loose = replace(self.settings, tolerance=STATISTICAL_TOLERANCE)
@@ -289,14 +295,46 @@ def assess(
     if cause is None:
         quicker = asked.roughly if own.tolerance < STATISTICAL_TOLERANCE else None
         return replace(result, leeways=leeways(lowered, asked.reliable, asked.late, held, quicker))
-    near = nearest(lowered, asked.reliable, held)
-    change = a_step_inside(lowered, asked.reliable, first_change(cause, near))
-    change = change or together(lowered, asked.reliable, _PAIRED)
-    if change and result.worst is not None:  # of the other approaches, too
+    whole = replace(asked, device=device, cases=cases) if result.worst is not None else asked
+    limits, beyond = _limits_of(lowered), tuple[str, ...]()
+    kept, kept_in_all = (replace(each, limits=limits) for each in (asked, whole))
+    near, change = _advice(cause, kept, kept_in_all, held)
+    if limits and not change:
+        near, change = _advice(cause, asked, whole, held)
         of_change = {name: np.array([value]) for name, value in change.items()}
-        holds = are_reliable(device, of_change, cases, own, cores)[0]
-        change = change if holds else {}
-    return replace(result, nearest=near, change=change)
+        beyond = tuple(
+            name
+            for name, limit in limits.items()
+            if change and not replace(whole, limits={name: limit}).reliable(of_change)[0]
+        )
+    return replace(result, nearest=near, change=change, change_exceeds=beyond)
+
+
+def _advice(
+    cause: Cause, asked: _Asked, whole: _Asked, held: tuple[str, ...]
+) -> tuple[tuple[Nearest, ...], Mapping[str, float]]:
+    """Return the nearest reliable values, and the first change that makes a device reliable.
+
+    They are sought in the cases of ``asked``, of one approach, and hold in those of ``whole``.
+    """
+    near = nearest(asked.device, asked.reliable, held)
+    if whole.device is not asked.device:
+        near = confirmed(asked.device, near, whole.reliable, held)
+    change = a_step_inside(asked.device, whole.reliable, first_change(cause, near))
+    if not change:
+        change = together(asked.device, asked.reliable, _PAIRED)
+        of_change = {name: np.array([value]) for name, value in change.items()}
+        change = change if change and whole.reliable(of_change)[0] else {}
+    return near, change
+
+
+def _limits_of(device: Parameters | StatedDevice) -> dict[str, float]:
+    """Return the limits that advice has to keep; of the vibrator what the device needs already."""
+    if not isinstance(device, StatedDevice):
+        return {}
+    needs = of_vibrator(device.units.amplitude, device.quantities["frequency"])
+    limits = {n: max(limit, needs.get(n, 0.0)) for n, limit in device.limits.items()}
+    return {name: limit for name, limit in limits.items() if name != "vibration"}
 
 
 def _parameters(device: Parameters | StatedDevice) -> Parameters:

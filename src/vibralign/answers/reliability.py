@@ -7,8 +7,10 @@ changes them.
 """
 
 import itertools
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -27,6 +29,7 @@ from vibralign.answers.cases import at_tilts, by_approach, cases_of, on_bases
 from vibralign.device import StatedDevice
 from vibralign.device.amounts import read_amount
 from vibralign.device.batches import Values, by_settings, devices_of, rows_of
+from vibralign.device.limits import LIMITS, of_vibrator
 from vibralign.device.mouth import CHAMFERS, judged, judged_on_chamfers
 from vibralign.device.runs import AnyDevice, devices_in, settings_for
 from vibralign.device.stated import bound_of, check_quantity, unit_of
@@ -232,20 +235,40 @@ def are_reliable(
     starts: Starts,
     settings: Settings,
     cores: int = 1,
+    limits: Mapping[str, float] = MappingProxyType({}),
 ) -> NDArray[np.bool_]:
-    """Return a mask of the devices that go in in all cases, shape (n,).
+    """Return a mask of the devices that go in in all cases, within ``limits``, shape (n,).
 
     A case is tried only where those before it succeed: first one, then each time twice as many.
+    ``limits`` are those of a device file, in SI units.
     """
     reliable = np.ones(len(next(iter(values.values()))), np.bool_)
+    if isinstance(device, StatedDevice):
+        own = {**device.quantities, **values}
+        for name, each in of_vibrator(own["amplitude"], own["frequency"]).items():
+            reliable &= each <= limits.get(name, math.inf)
     begin, cases = 0, in_turn(starts)
+    settings = settings if limits else settings.quickest  # which knows no force until inserted
     while begin < len(cases) and (left := np.flatnonzero(reliable)).size:
         some = cases[begin : 2 * begin + 1]
         tried = {name: column[left] for name, column in values.items()}
-        found, _ = from_every_start(device, tried, some, settings.quickest, cores)
-        reliable[left] = found["goes_in"].all(axis=1)
+        found, units = from_every_start(device, tried, some, settings, cores)
+        reliable[left] = found["goes_in"].all(axis=1) & _kept(found, units, limits)
         begin += len(some)
     return reliable
+
+
+def _kept(
+    found: Mapping[str, NDArray[Any]], units: Sequence[Units], limits: Mapping[str, float]
+) -> NDArray[np.bool_]:
+    """Return where devices keep the limits of time, force and tilt in all cases, shape (n,)."""
+    kept = np.ones(len(found["goes_in"]), np.bool_)
+    of = {"time": "tau_align", "contact_force": "contact_force_max", "tilt": "tilt_max"}
+    for name, limit in limits.items():
+        if name in of:
+            one = np.array([each.of(LIMITS[name][1]) for each in units])[:, None]
+            kept &= ~(found[of[name]] * one > limit).any(axis=1)
+    return kept
 
 
 def in_turn(starts: Starts) -> Starts:

@@ -108,7 +108,10 @@ def change_words(result: "Assessment") -> str:
     borders = [{each.parameter: v} for each in result.nearest for v in (each.below, each.above)]
     tried = "tried; 6 % further it is not" if result.change in borders else "tried"
     with_it = "with both" if len(result.change) > 1 else "with it"
-    return f"{words}: {with_it}, it is reliable ({tried})"
+    said = f"{words}: {with_it}, it is reliable ({tried})"
+    exceeded = ", ".join(result.change_exceeds)
+    none = "but no change tried keeps the limits"
+    return f"{said}, {none}: it exceeds that of {exceeded}" if exceeded else said
 
 
 def value_words(result: "Assessment", name: str, value: float, digits: int = 4) -> str:

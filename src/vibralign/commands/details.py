@@ -93,7 +93,7 @@ def _stiff_bases(result: "Assessment", units: Units | None) -> str:
 def leeway_lines(result: "Assessment") -> list[str]:
     """Return lines on the leeways of a device, or on the nearest values that make it reliable."""
     ranges, lines = list(result.leeways), []
-    if result.worst is not None and (ranges or result.tilt_range or result.nearest):
+    if result.worst is not None and (ranges or result.tilt_range):
         word = "that fails most often" if result.failing_start is not None else "that is slowest"
         lines.append(f"with the approach {word} ({result.worst}):")
     if result.failing_start is not None and result.nearest:

@@ -1,8 +1,10 @@
 """Verdicts, bases and leeways of a device, against oracles and against runs of the model."""
 
+import importlib
 import math
 from dataclasses import replace
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 import pytest
@@ -28,6 +30,7 @@ from vibralign.answers.leeways import (
     nearest,
 )
 from vibralign.answers.reliability import are_reliable, reliable_at, run_devices
+from vibralign.answers.sheet import sheet_rows
 from vibralign.answers.si import written_words
 from vibralign.answers.verdicts import Base, Verdict
 from vibralign.device import load_device
@@ -242,6 +245,69 @@ def test_the_nearest_amplitude_is_found_and_holds(monkeypatch):
             cases_of(changed, ENSEMBLE),
         )
         assert are_reliable(changed, own, cases, COARSE)[0] == goes_in
+
+
+OWN_BASE = {"contact_stiffness": "300 kN/m", "gripper_tilt": "0.1 deg"}
+
+
+def test_a_reliable_device_may_have_to_keep_limits():
+    stated = load_device(PEG, OWN_BASE)
+    cases = cases_of(stated, Ensemble())
+    values = {"press_force": np.array([9.5, 10.0])}
+    runs = run_devices(stated, values, cases, COARSE)
+    assert runs.goes_in.all()
+    drive = {"acceleration": np.full(2, 1e-3 * (100.0 * np.pi) ** 2), "stroke": np.full(2, 2e-3)}
+    for name, most in {**runs.measures, **drive}.items():
+        for limit in (1.001 * most.max(), 0.5 * most.sum(), 0.999 * most.min()):
+            kept = are_reliable(stated, values, cases, COARSE, 1, {name: limit})
+            assert kept.tolist() == (most <= limit).tolist(), name
+
+
+def advised(monkeypatch, holds, changes=MappingProxyType({})):
+    """Assess a peg that fails; ``holds(values, limits, whole)`` says which others are reliable."""
+    monkeypatch.setattr(
+        importlib.import_module("vibralign.answers.assess"), "are_reliable",
+        lambda *given: holds(given[1], given[-1], "vibrates" in given[2][0]),
+    )  # fmt: skip
+    stated = load_device(PEG, {**OWN_BASE, "tilt_stiffness": "30 N m/rad", **changes})
+    return assess(replace(stated, limits={"acceleration": 12.0 * 9.80665}), COARSE, ENSEMBLE)
+
+
+def test_advice_keeps_the_limits_or_names_those_that_it_exceeds(monkeypatch):
+    def holds(values, limits, _):
+        return (values.get("amplitude", np.zeros(1)) > 1.3e-3) & ("acceleration" not in limits) | (
+            values.get("friction", np.ones(1)) < least
+        )
+
+    least = 0.1
+    found = advised(monkeypatch, holds)
+    assert [each.parameter for each in found.nearest] == ["friction"]
+    assert found.change["friction"] < 0.1
+    assert not found.change_exceeds
+    least = 0.0
+    found = advised(monkeypatch, holds)
+    assert found.change["amplitude"] > 1.3e-3
+    assert found.change_exceeds == ("acceleration",)
+    words = "but no change tried keeps the limits: it exceeds that of acceleration"
+    assert dict(sheet_rows(found))["first to change"].endswith(words)
+
+
+def test_what_helps_with_one_approach_only_is_no_advice(monkeypatch):
+    """The peg is lowered: a change is sought with the worst approach, and holds with all."""
+    least = 0.1
+
+    def holds(values, _limits, whole):
+        return (values.get("press_force", np.zeros(1)) > 12.0) & (not whole) | (
+            values.get("friction", np.ones(1)) < least
+        )
+
+    found = advised(monkeypatch, holds, {"approach_speed": "10 mm/s"})
+    assert [each.parameter for each in found.nearest] == [*found.change] == ["friction"]
+    least = 0.0
+    found = advised(monkeypatch, holds, {"approach_speed": "10 mm/s"})
+    assert not found.nearest
+    assert not found.change
+    assert "reliable with" not in dict(sheet_rows(found))
 
 
 def test_a_horizon_in_seconds_holds_for_devices_of_any_mass():
