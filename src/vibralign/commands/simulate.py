@@ -74,8 +74,8 @@ def _simulate(arguments: argparse.Namespace) -> int:
         print_json(record)
     else:
         chamfered = given.stated is not None and given.stated.is_chamfered
-        into = "" if chamfered or settings.scene is INSERTION else _INTO
-        lines = _report(run, units, settings, into)
+        scene = "" if chamfered or settings.scene is INSERTION else _SCENE
+        lines = _report(run, units, settings, scene)
         lines += lever_words(parameters, settings, units)
         lines += wall_words(parameters, settings, run.tilt_max, units)
         lines.append(natural_words(parameters, units))
@@ -83,7 +83,7 @@ def _simulate(arguments: argparse.Namespace) -> int:
         lines += lines_of(assumed)
         if units and arguments.dimensionless:
             one = f"units: {units.time:.4g} s, {units.amplitude:.4g} m, {units.force:.4g} N"
-            lines += ["", "dimensionless:", *_report(run, None, settings, into)[1:], one]
+            lines += ["", "dimensionless:", *_report(run, None, settings)[1:], one]
         print("\n".join(lines))
     in_units = None if arguments.dimensionless else units
     if arguments.plot is not None:
@@ -127,16 +127,17 @@ def _within(value: float, error: float) -> str:
     return f"{value:.{places}f} ± {error:.1g}"
 
 
-_INTO = "; --scene insertion gives those in the hole"
+_SCENE = "alignment: no further than that; --scene insertion goes on into the hole, as assess does"
 
 
-def _report(run: Trajectory, units: Units | None, settings: Settings, into: str) -> list[str]:
+def _report(run: Trajectory, units: Units | None, settings: Settings, scene: str = "") -> list[str]:
     """Return the printed lines on a run: words and SI units, or variable names without units.
 
-    ``into`` says how the forces after alignment are found, if they can be.
+    ``scene`` says how far it is followed, if it can be followed further.
     """
     aligned = not math.isnan(run.tau_align)
     rows = [("outcome", f"{_name(run.outcome)}: {run.message}")]
+    rows += [("scene", scene)] if scene else []
     if run.outcome not in SUCCESSES:
         from vibralign.answers.causes import waits_in_vain, way_of  # noqa: PLC0415  (of failures only)
 
@@ -162,7 +163,7 @@ def _report(run: Trajectory, units: Units | None, settings: Settings, into: str)
             rows.append((meaning if units else name, text))
         if name == "contact_force_max":
             words = forces_words(at_places, units, settings) if units else until(settings)
-            rows.append(("  of the force" if units else "  known", words + into))
+            rows.append(("  of the force" if units else "  known", words))
     end = in_words(float(run.time[-1]), TIME, units) if units else f"τ = {run.time[-1]:.9g}"
     rows.append(("final state", f"at {end}"))
     for name, number in _final_state(run).items():

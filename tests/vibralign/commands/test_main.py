@@ -213,11 +213,13 @@ def test_a_device_file_gives_results_in_si_units(capsys):
     time = re.search(r"alignment time +(\S+) ms\n", said)
     assert float(time[1]) == pytest.approx(1e3 * si["alignment_time_s"], rel=1e-3)
     assert re.search(r"largest normal force at one place, from this start +19.99 N\n", said)
-    words = "edge 19.99 N, corner 0 N, side 0 N, wall 0 N, until alignment; --scene insertion gives"
-    assert re.search(rf"  of the force +{words} those in the hole\n", said)
-    # A part with chamfers is not followed so far: its runs do not say how to.
-    assert cli.main(["simulate", "--device", PEG, "--set", "peg_chamfer=0.1 mm"]) == cli.DONE
-    assert re.search(r"  of the force .*, until alignment\n", capsys.readouterr().out)
+    words = "edge 19.99 N, corner 0 N, side 0 N, wall 0 N, until alignment"
+    assert re.search(rf"  of the force +{words}\n", said)
+    assert re.search(r"scene +alignment: .*; --scene insertion goes .*, as assess does\n", said)
+    # A part with chamfers is not followed so far, and one that is says no more: neither says how.
+    for more in (["--set", "peg_chamfer=0.1 mm"], ["--scene", "insertion"]):
+        assert cli.main(["simulate", "--device", PEG, *more]) == cli.DONE
+        assert not re.search(r"^scene", capsys.readouterr().out, re.MULTILINE)
     assert re.search(r"touch-down +one start, at phase 0 rad .*; vibralign assess takes all", said)
     assert si["results"]["contact_force_max"] == si["contact_force_max_N"]
     assert re.search(r"  velocity along y +\S+ mm/s\n", said)
