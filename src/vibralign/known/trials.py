@@ -8,7 +8,8 @@ in cells or in heads (press_force [N]). Every refusal names the row, as the spre
 import csv
 import io
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,7 +19,7 @@ from model.sweeps.files import read_text
 from vibralign.device import StatedDevice
 from vibralign.device.amounts import read_amount, read_positive
 from vibralign.device.spelling import plain
-from vibralign.device.stated import check_quantity, unit_of
+from vibralign.device.stated import unit_of
 
 RESULT, NOTE = "result", "note"
 ERROR = 0.05  # relative error of a time whose error is not stated
@@ -75,21 +76,30 @@ def read_trials(device: StatedDevice, table: Any) -> list[Trial]:
     """
     if isinstance(table, (str, Path)):
         source, heads, rows = _of_file(Path(table))
+        top = "row 1"
     else:
-        source = "trials"
+        source, top = "trials", "columns"
         records = table.to_dict("records") if hasattr(table, "to_dict") else list(table)
         heads = list(dict.fromkeys(head for each in records for head in each))
         rows = [
             (i + 1, [_text(each.get(head)) for head in heads]) for i, each in enumerate(records)
         ]
-    try:
-        columns = _columns(heads, device)
+    with _naming(source):
+        with _naming(top):
+            columns = _columns(heads, device)
         trials = [_trial(device, columns, *row) for row in rows if any(row[1])]
-    except ValueError as error:
-        raise ValueError(f"{source}: {error}") from None
     if len(trials) < FEWEST:
         raise ValueError(f"{source}: has {len(trials)} trials: needs at least {FEWEST}")
     return trials
+
+
+@contextmanager
+def _naming(place: str) -> Iterator[None]:
+    """Refuse with the place in front."""
+    try:
+        yield
+    except ValueError as refusal:
+        raise ValueError(f"{place}: {refusal}") from None
 
 
 def _columns(heads: Sequence[str], device: StatedDevice) -> list[tuple[str, str]]:
@@ -150,12 +160,12 @@ def _column(head: str, device: StatedDevice) -> tuple[str, str]:
     """Return the name of a column and the unit of its head, "" without."""
     match = _HEAD.fullmatch(str(head))
     if match is None:
-        raise ValueError(f"a column has no name: {head!r}")
+        raise ValueError(f"a column head has no name: {head!r}")
     name, unit = match[1], match[2] or ""
-    if name in (RESULT, NOTE, "vibrator"):
+    if name in (NOTE, "vibrator"):
         return name, unit
     try:
-        check_quantity(name)
+        own = "s" if name == RESULT else unit_of(name)
     except ValueError as error:
         raise ValueError(f"{error}; head a column of remarks `{NOTE}`") from None
     if name in device.unknown:
@@ -163,15 +173,18 @@ def _column(head: str, device: StatedDevice) -> tuple[str, str]:
             f"column `{name}`: is unknown in {device.source}, and a trial sets it: leave it out of "
             "one"
         )
-    if unit:
-        read_amount(f"column `{name}`", f"1 {unit}", unit_of(name), device.quantities["frequency"])
+    try:
+        read_amount(name, f"1 {unit}", own, device.quantities["frequency"])
+    except ValueError as error:
+        words = str(error).partition(": ")[2]
+        raise ValueError(f"column head {str(head)!r}: {words}") from None
     return name, unit
 
 
 def _trial(
     device: StatedDevice, columns: Sequence[tuple[str, str]], row: int, cells: Sequence[str]
 ) -> Trial:
-    try:
+    with _naming(f"row {row}"):
         given = {}
         for (name, unit), cell in zip(columns, cells, strict=True):
             if name != NOTE and cell:
@@ -181,8 +194,6 @@ def _trial(
         time, error, waited = _result(result)
         own = device.changed(**given)
         own.admitted({})
-    except ValueError as refusal:
-        raise ValueError(f"row {row}: {refusal}") from None
     return Trial(row, own, time, error, waited, given, result)
 
 

@@ -62,12 +62,14 @@ def test_tables_of_any_spreadsheet_are_alike(tmp_path, text):
 HEAD = "frequency,press_force,result\n"
 FINE = "60 Hz,0.2 N,91.6 ms\n"
 REFUSED = [
-    ("frequency,preis,result\n" + FINE, ["'preis'", "remarks `note`"]),
+    ("frequency,preis,result\n" + FINE, ["row 1: ", "'preis'", "remarks `note`"]),
     (HEAD + FINE + "60 Hz,0.2 N,60\n", ["row 3", "has no unit", "60 ms", "`result [ms]`"]),
     ("frequency,result,result\n" + FINE, ["two columns `result`"]),
     ("frequency,press_force\n60 Hz,0.2 N\n", ["no column `result`", "press_force"]),
     ("friction,press_force,result\n0.1,0.2 N,91 ms\n", ["`friction`: is unknown"]),
-    ("press_force [mm],result\n1,90 ms\n", ["`press_force`", "mm"]),
+    ("press_force [mm],result\n1,90 ms\n", ["row 1: column head 'press_force [mm]': must be in N"]),
+    ("press_force,result [N]\n1 N,9\n", ["row 1: column head 'result [N]': must be in s", "in N"]),
+    ("press_force [x],result\n1,9 ms\n", ["row 1: column head 'press_force [x]': unknown unit"]),
     (HEAD + "60 mm,0.2 N,91.6 ms\n", ["row 2", "frequency = '60 mm'"]),
     (HEAD + FINE + "60 Hz,0.2 N,quick\n", ["row 3", "result = 'quick'", "fails after 2 s"]),
     (HEAD + FINE + "60 Hz,0.2 N,\n", ["row 3", "result is blank"]),
@@ -89,6 +91,11 @@ def test_bad_tables_are_refused_with_row_and_cell(tmp_path, text, words):
     with pytest.raises(ValueError, match=r"trials\.csv") as refusal:
         read(tmp_path, text)
     assert all(each in str(refusal.value) for each in words), refusal.value
+
+
+def test_a_bad_head_of_rows_is_named(tmp_path):
+    with pytest.raises(ValueError, match=r"trials: columns: column head 'mass \[N\]'"):
+        read_trials(load_device(device_file(tmp_path)), [{"mass [N]": "1", "result": "1 ms"}])
 
 
 def test_tables_that_tell_little_are_noted(tmp_path):
