@@ -108,18 +108,24 @@ def _calibrate(arguments: argparse.Namespace) -> int:
 
 def report(found: "Calibration") -> list[str]:
     """Return the lines on the fit and, if the model fits, on the posterior."""
-    from vibralign.known.fit import LEAST  # noqa: PLC0415  (scipy)
+    from vibralign.known.fit import BETTER, LEAST  # noqa: PLC0415  (scipy)
 
     fit, device = found.fit, found.device
-    share = f"trials of the model are as far out with a probability of {100.0 * fit.share:.3g} %"
-    words = f"the model fits the trials: {share}"
-    if not fit.fits:
-        words = f"THE MODEL DOES NOT FIT THESE TRIALS: {share} (less than {100.0 * LEAST:.2g} %)"
+    words = f"trials of the model are as far out with a probability of {100.0 * fit.share:.3g} %"
+    rival, odds = max(fit.rivals.items(), key=lambda each: each[1], default=("", 0.0))
+    better = f"{rival} makes the trials {_factor(odds)} times as probable"
+    if fit.fits:
+        words = f"the model fits the trials: {words}"
+    elif fit.share < LEAST:
+        words = f"THE MODEL DOES NOT FIT THESE TRIALS: {words} (less than {100.0 * LEAST:.2g} %)"
+    else:
+        words = f"THE MODEL DOES NOT FIT THESE TRIALS: {better} ({BETTER:g} and more)"
     lines = [_line("fit", words), _line("device", device.source)]
     more, less = ("the model", "chance")[:: 1 if fit.odds > 0.0 else -1]
-    factor = rounded(10.0 ** abs(fit.odds), 2) if abs(fit.odds) < 4.0 else f"10^{abs(fit.odds):.0f}"
-    words = f"{more} makes them {factor} times as probable as {less} does"
+    words = f"{more} makes them {_factor(abs(fit.odds))} times as probable as {less} does"
     lines.append(_line("trials", f"{len(found.trials)}; {words}"))
+    if odds > 0.0 and better not in lines[0]:
+        lines.append(_line("  rival", better))
     for number in fit.outside:
         share = f"{100.0 * fit.predicted[number]:.3g} %"
         text = f"{found.trials[number].words}: the other trials give it a probability of {share}"
@@ -149,8 +155,14 @@ def report(found: "Calibration") -> list[str]:
     return [*lines, *in_columns(rows), *(_line("  but", each) for each in found.piled)]
 
 
+def _factor(odds: float) -> str:
+    return rounded(10.0**odds, 2) if odds < 4.0 else f"10^{odds:.0f}"
+
+
 def next_lines(after: "Next", found: "Calibration") -> list[str]:
     """Return the lines on the verdict at the intended setting and what to do next."""
+    from vibralign.known.next_trial import NOISE  # noqa: PLC0415  (scipy)
+
     at = "the setting of the device file"
     if after.intended:
         at = named_words(after.intended, found.device)
@@ -161,13 +173,16 @@ def next_lines(after: "Next", found: "Calibration") -> list[str]:
         lines.append(_line("knowing", words))
     if not after.is_worth_it:
         return [*lines, _line("next", "no trial is worth making")]
-    lines.append("next, and the doubt that it takes away:")
-    rows = [(each.words, f"{each.bits:.2f} bits", "") for each in after.trials[:_LISTED]]
     best = after.trials[0].bits
-    for each in after.bench:
-        count = f"worth {each.bits / best:.1f} trials" if best > 0.0 else ""
+    if best < NOISE:
+        lines.append(_line("next", f"no trial tells more than {NOISE} bits of the verdict"))
+    told = [each for each in after.trials[:_LISTED] if each.bits >= NOISE]
+    rows = [(each.words, f"{each.bits:.2f} bits", "") for each in told]
+    for each in (one for one in after.bench if one.bits >= NOISE):
+        count = f"worth {each.bits / best:.1f} trials" if told else ""
         rows.append((each.words, f"{each.bits:.2f} bits", count))
-    return [*lines, *in_columns(rows)]
+    head = ["next, and the doubt that it takes away:"] if rows else []
+    return [*lines, *head, *in_columns(rows)]
 
 
 def _record(found: "Calibration", after: "Next | None") -> dict[str, Any]:
@@ -176,6 +191,7 @@ def _record(found: "Calibration", after: "Next | None") -> dict[str, Any]:
         "fits": fit.fits,
         "fit": fit.share,
         "odds": fit.odds,
+        "rivals": dict(fit.rivals),
         "outside": [found.trials[i].row for i in fit.outside],
         "effective_sample_size": found.samples.effective,
         "sets": len(found.samples.z),

@@ -15,6 +15,7 @@ from vibralign.commands.files import check_picture, writing
 from vibralign.commands.progress import ProgressLine
 from vibralign.commands.tables import in_columns, print_json
 from vibralign.commands.tables import report_line as _line
+from vibralign.device.plausibility import DISTRUSTED
 
 if TYPE_CHECKING:
     from vibralign.device import StatedDevice
@@ -158,6 +159,8 @@ def possible_lines(found: "Possible", device: "StatedDevice", horizon: float) ->
     elif not found.reliable.any():
         words = "reliable for none of what is possible"
     words += f" ({100.0 * low:.3g} to {100.0 * high:.3g} %, 95 % confidence)"
+    if any(DISTRUSTED in each for each in device.doubts):
+        words += f"; {DISTRUSTED}: the base is soft"
     tried = f"{found.reliable.size} sets of the unknowns, each from {found.touch_downs} touch-downs"
     lines = [_line("verdict", words), _line("tried", f"{tried} within the tolerances")]
     if found.undecided:

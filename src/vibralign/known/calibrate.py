@@ -6,7 +6,7 @@ without further ones.
 
 import math
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,18 +18,27 @@ from model.physics.tables import Value
 from model.runs.settings import Settings
 from vibralign.answers.reliability import Floats
 from vibralign.device import StatedDevice
-from vibralign.known.fit import Fit, fit_of
+from vibralign.known.fit import Fit, Model, fit_of, rivals_of
 from vibralign.known.likelihood import log_likelihood
 from vibralign.known.next_trial import SETS, Next, next_of
-from vibralign.known.possible import Sets, equally, run_sets, stated, touch_downs
-from vibralign.known.posterior import EFFECTIVE, FIRST, Samples, sample, values_of
-from vibralign.known.trials import Trial, notes_on, read_trials, times_of
+from vibralign.known.possible import Sets, run_sets, stated, touch_downs
+from vibralign.known.posterior import (
+    EFFECTIVE,
+    FIRST,
+    Samples,
+    equally,
+    quantiles,
+    sample,
+    values_of,
+)
+from vibralign.known.trials import Trial, distrusted, notes_on, read_trials, times_of
 
 if TYPE_CHECKING:
     import xarray as xr
 
 TOUCH_DOWNS = 16  # of a trial, a power of two
 _WAIT = 1.05  # of the longest time of the trials, until which runs are followed
+_AT_ONCE = 1e-4  # s, of a part that goes in before the vibrator sets in, and times count
 _PILED = 0.05, 0.3  # share of a range at its end, and of the posterior there, that are worth a word
 
 
@@ -84,13 +93,10 @@ class Calibration(Value):
     def intervals(self, ends: Sequence[float] = (0.05, 0.5, 0.95)) -> dict[str, tuple[float, ...]]:
         """Return quantiles of the unknowns by name; errors as ``equally``."""
         self._check_fit()
-        found = {}
-        for name, column in self.sets.items():
-            order = np.argsort(column)
-            share = np.cumsum(self.samples.weights[order])
-            at = np.minimum(np.searchsorted(share, ends), column.size - 1)
-            found[name] = tuple(column[order][at].tolist())
-        return found
+        return {
+            name: tuple(quantiles(column, self.samples.weights, ends).tolist())
+            for name, column in self.sets.items()
+        }
 
     def _check_fit(self) -> None:
         if not self.fit.fits:
@@ -183,13 +189,19 @@ def calibrate(
     times: list[list[Floats]] = [[] for _ in table]
     began, first = time.process_time(), True
 
-    def likelihood(sets: Mapping[str, Floats]) -> Floats:
+    def runs(sets: Sets, model: Model | None = None) -> Iterator[tuple[list[int], Floats]]:
+        for key, rows in groups.items():
+            lowered, own = replace(table[rows[0]].device, horizon=horizon), sets
+            if model is not None:
+                lowered, own = model(lowered, sets)
+            found = run_sets(lowered, own, downs[key], settings, cores).time
+            yield rows, np.maximum(found, _AT_ONCE)
+
+    def likelihood(sets: Sets) -> Floats:
         nonlocal first
         stage: dict[int, Floats] = {}
         logs = np.zeros(len(next(iter(sets.values()))))
-        for number, (key, rows) in enumerate(groups.items()):
-            lowered = replace(table[rows[0]].device, horizon=horizon)
-            found = run_sets(lowered, sets, downs[key], settings, cores).time
+        for number, (rows, found) in enumerate(runs(sets)):
             for row in rows:
                 logs += log_likelihood(table[row], found, horizon)
                 stage[row] = found
@@ -197,7 +209,7 @@ def calibrate(
                 each = (time.process_time() - began) / (number + 1)
                 tell(
                     f"setting {number + 1} of {len(groups)}: the first {FIRST} sets take "
-                    f"{each * len(groups):.0f} core-seconds, all some two to six times as long"
+                    f"{each * len(groups):.0f} core-seconds, all some four to nine times as long"
                 )
         first = False
         for row, found in stage.items():  # a stage counts when it is complete
@@ -206,7 +218,18 @@ def calibrate(
 
     samples = sample(device.unknown, likelihood, tell, target=target, seed=seed)
     whole = tuple(np.concatenate(each) for each in times)
-    fit = fit_of(table, whole, samples, horizon)
+    rivals: dict[str, Floats] = {}
+    few = values_of(samples.z[:FIRST], device.unknown)
+    try:
+        for words, model in () if samples.interrupted else rivals_of(device, table).items():
+            tell(f"a rival, {words}")
+            logs = [log_likelihood(table[i], x, horizon) for at, x in runs(few, model) for i in at]
+            rivals[words] = np.sum(logs, axis=0)
+    except KeyboardInterrupt:
+        samples = replace(samples, interrupted=True)
+    fit = fit_of(table, whole, samples, horizon, rivals)
     seconds = time.process_time() - began
-    notes = tuple(notes_on(table, len(device.unknown)))
+    sets = values_of(samples.z, device.unknown)
+    middle = {n: float(quantiles(x, samples.weights, [0.5])[0]) for n, x in sets.items()}
+    notes = (*notes_on(table, len(device.unknown)), *distrusted(table, middle))
     return Calibration(device, tuple(table), samples, whole, horizon, fit, notes, seconds)

@@ -3,25 +3,36 @@
 Each trial is compared with what all others predict of it: the probability of a result as far out,
 from both ends, or of failing (A. E. Gelfand, D. K. Dey, H. Chang, Bayesian Statistics 4, 1992,
 147). If the product of these probabilities is too small, by Fisher's combined test (R. A. Fisher,
-Statistical Methods for Research Workers, 1932, sect. 21.1), the model does not fit. No further run
-is made.
+Statistical Methods for Research Workers, 1932, sect. 21.1), the model does not fit.
+
+Nor does it fit if another model, a *rival*, makes the trials ``BETTER`` times as probable, by the
+evidence of the first sets of the ranges. Only rivals need further runs.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 import scipy
 
 from vibralign.answers.reliability import Floats
+from vibralign.device import StatedDevice
+from vibralign.device.approach import SPEED, USUAL
 from vibralign.known.likelihood import log_chance, log_likelihood
-from vibralign.known.posterior import Samples, normalised
+from vibralign.known.possible import Sets
+from vibralign.known.posterior import Samples, normalised, quantiles
 from vibralign.known.trials import Trial
 
-LEAST = 0.07  # probability of trials as far out, below which the model does not fit
+LEAST = 0.02  # probability of trials as far out, below which the model does not fit
+BETTER = 3.0  # factor by which a rival makes them more probable, above which it does not either
+_SOFTER = 10.0  # factor by which the base of a rival is softer
 _SMALLEST = 1e-4  # of these probabilities: no trial counts for more
 OUTSIDE = 0.05  # probability of a result, from both ends, below which a trial is named
+
+
+Model = Callable[[StatedDevice, Sets], tuple[StatedDevice, Sets]]
+"""Device and sets of the unknowns as a model has them, from those of the file's."""
 
 
 class Fit(NamedTuple):
@@ -33,17 +44,19 @@ class Fit(NamedTuple):
         predicted: probability of each trial's result as the others predict it, from both ends;
             of a failure, that of failing.
         times: 5, 50 and 95 % quantiles of each trial's predicted time in s, shape (trials, 3).
+        rivals: common logarithm of each rival's evidence over the model's, by the rival's words.
     """
 
     share: float
     odds: float
     predicted: tuple[float, ...]
     times: Floats
+    rivals: Mapping[str, float] = {}
 
     @property
     def fits(self) -> bool:
         """True if the model fits the trials."""
-        return self.share >= LEAST
+        return self.share >= LEAST and max(self.rivals.values(), default=0.0) < math.log10(BETTER)
 
     @property
     def outside(self) -> list[int]:
@@ -52,7 +65,11 @@ class Fit(NamedTuple):
 
 
 def fit_of(
-    trials: Sequence[Trial], times: Sequence[Floats], samples: Samples, horizon: float
+    trials: Sequence[Trial],
+    times: Sequence[Floats],
+    samples: Samples,
+    horizon: float,
+    rivals: Mapping[str, Floats],
 ) -> Fit:
     """Return how the model fits.
 
@@ -61,18 +78,51 @@ def fit_of(
         times: of each trial, the times in s of all sets from its touch-downs, shape (n, m).
         samples: the sets with their weights.
         horizon: time in s at which a run ends.
+        rivals: logarithms of the likelihood of the first sets, by the words of each rival.
     """
-    predicted, quantiles = [], []
+    predicted, predicted_times = [], []
     for trial, each in zip(trials, times, strict=True):
         own = log_likelihood(trial, each, horizon)
         others = normalised(samples.log_ratio + samples.log_likelihood - own)
         predicted.append(_probability(trial, each, others, horizon))
-        quantiles.append(_quantiles(each, samples.weights))
+        every = np.repeat(samples.weights / each.shape[1], each.shape[1])
+        flat = np.nan_to_num(each, nan=np.inf).ravel()
+        predicted_times.append(quantiles(flat, every, (0.05, 0.5, 0.95)))
     product = -2.0 * float(np.log(np.maximum(predicted, _SMALLEST)).sum())
     share = float(scipy.stats.chi2.sf(product, 2 * len(trials)))
     evidence = float(scipy.special.logsumexp(samples.log_ratio + samples.log_likelihood))
     odds = (evidence - log_chance(trials)) / math.log(10.0)
-    return Fit(share, odds, tuple(predicted), np.array(quantiles))
+    model = samples.log_likelihood
+    better = {
+        words: float(scipy.special.logsumexp(each) - scipy.special.logsumexp(model[: each.size]))
+        / math.log(10.0)
+        for words, each in rivals.items()
+    }
+    return Fit(share, odds, tuple(predicted), np.array(predicted_times), better)
+
+
+def rivals_of(device: StatedDevice, trials: Sequence[Trial]) -> dict[str, Model]:
+    """Return the rivals of the model of a device that these trials can tell from it, in words."""
+
+    def changed(**changes: float | str) -> Model:
+        return lambda own, sets: (own.changed(**changes), sets)
+
+    def falling(own: StatedDevice, sets: Sets) -> tuple[StatedDevice, Sets]:
+        one = np.ones_like(next(iter(sets.values())))
+        known = one * sets.get("friction", own.quantities["friction"])
+        factor = math.sqrt(float(np.median(presses)) / own.quantities["press_force"])
+        return own, {**sets, "friction": factor * known}
+
+    vibrator = "still" if device.vibrator == "running" else "running"
+    approach = changed(vibrator=vibrator, **({SPEED: USUAL} if device.sudden else {}))
+    found = {f"an approach with the vibrator {vibrator}": approach}
+    if "contact_stiffness" not in device.unknown:
+        softer = device.values["contact_stiffness"] / _SOFTER
+        found[f"a base {_SOFTER:.0f} times as soft"] = changed(contact_stiffness=softer)
+    presses = [each.device.quantities["press_force"] for each in trials]
+    if min(presses) < max(presses):
+        found["a friction that falls as the root of press_force"] = falling
+    return found
 
 
 def _probability(trial: Trial, times: Floats, weights: Floats, horizon: float) -> float:
@@ -85,14 +135,4 @@ def _probability(trial: Trial, times: Floats, weights: Floats, horizon: float) -
     known = np.isfinite(times)
     z = (math.log(trial.time) - np.log(np.where(known, times, 1.0))) / width
     below = float(weights @ (known * scipy.stats.norm.cdf(z)).mean(axis=1))
-    return min(1.0, 2.0 * min(below, 1.0 - below))
-
-
-def _quantiles(times: Floats, weights: Floats) -> Floats:
-    """Return weighted quantiles of the times, infinite where it fails."""
-    flat = np.nan_to_num(times, nan=np.inf).ravel()
-    order = np.argsort(flat)
-    share = np.cumsum(np.repeat(weights / times.shape[1], times.shape[1])[order])
-    at = np.minimum(np.searchsorted(share, (0.05, 0.5, 0.95)), flat.size - 1)
-    found: Floats = flat[order][at]
-    return found
+    return min(1.0, 2.0 * max(0.0, min(below, 1.0 - below)))

@@ -28,6 +28,7 @@ from vibralign.device.batches import devices_of
 from vibralign.device.limits import OF_VIBRATOR, of_vibrator
 from vibralign.device.mouth import judged
 from vibralign.known import doubt
+from vibralign.known.posterior import equally
 
 SETS = 512  # sets of the unknowns, a power of two
 TOUCH_DOWNS = 32  # of a verdict, a power of two
@@ -81,13 +82,6 @@ def _of_file(device: StatedDevice, count: int, seed: int) -> dict[str, Floats]:
         ) from None
     rows = equally(weights, count, seed)
     return {name: column[rows] for name, column in columns.items()}
-
-
-def equally(weights: Floats, count: int, seed: int = 0) -> NDArray[np.int64]:
-    """Return ``count`` rows with the frequencies of their weights (systematic resampling)."""
-    marks = (np.arange(count) + np.random.default_rng(seed).random()) / count
-    rows = np.searchsorted(np.cumsum(weights) / weights.sum(), marks)
-    return np.minimum(rows, weights.size - 1)
 
 
 def _sobol(dimensions: int, count: int, seed: int) -> Floats:

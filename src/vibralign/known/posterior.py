@@ -8,11 +8,12 @@ the ranges are transformed to normal variates z, so that no proposal leaves a ra
 weighs this sampler against nested sampling and Markov chains.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy
+from numpy.typing import NDArray
 
 from model.physics.tables import Value
 from vibralign.answers.reliability import Floats
@@ -66,9 +67,24 @@ def normalised(logs: Floats) -> Floats:
     return found
 
 
+def equally(weights: Floats, count: int, seed: int = 0) -> NDArray[np.int64]:
+    """Return ``count`` rows with the frequencies of their weights (systematic resampling)."""
+    marks = (np.arange(count) + np.random.default_rng(seed).random()) / count
+    rows = np.searchsorted(np.cumsum(weights) / weights.sum(), marks)
+    return np.minimum(rows, weights.size - 1)
+
+
 def effective(weights: Floats) -> float:
     """Return the effective sample size of weights of sum 1."""
     return float(1.0 / (weights**2).sum())
+
+
+def quantiles(values: Floats, weights: Floats, ends: Sequence[float]) -> Floats:
+    """Return weighted quantiles of values; weights of sum 1."""
+    order = np.argsort(values)
+    at = np.searchsorted(np.cumsum(weights[order]), ends)
+    found: Floats = values[order][np.minimum(at, values.size - 1)]
+    return found
 
 
 def values_of(z: Floats, ranges: Mapping[str, Range]) -> dict[str, Floats]:
@@ -156,6 +172,4 @@ def _proposal(found: Samples, seed: int) -> tuple[Floats, Floats]:
     covariance = (weights[:, None] * steps).T @ steps + 1e-4 * np.eye(d)
     size = effective(weights)
     covariance *= (4.0 / ((d + 2.0) * size)) ** (2.0 / (d + 4.0))  # Silverman's, of kernels
-    marks = (np.arange(STAGE) + np.random.default_rng(seed).random()) / STAGE
-    rows = np.minimum(np.searchsorted(np.cumsum(weights), marks), len(weights) - 1)
-    return found.z[rows], covariance
+    return found.z[equally(weights, STAGE, seed)], covariance

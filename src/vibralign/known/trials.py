@@ -18,6 +18,7 @@ from model.physics.tables import Value
 from model.sweeps.files import read_text
 from vibralign.device import StatedDevice
 from vibralign.device.amounts import read_amount, read_positive
+from vibralign.device.plausibility import DISTRUSTED
 from vibralign.device.spelling import plain
 from vibralign.device.stated import unit_of
 
@@ -245,6 +246,18 @@ def notes_on(trials: Sequence[Trial], unknown: int) -> list[str]:
     if all(each.time is None for each in trials):
         notes.append("all trials fail: they tell where it fails, but no time")
     return notes
+
+
+def distrusted(trials: Sequence[Trial], unknowns: Mapping[str, float]) -> list[str]:
+    """Return words on trials for which the model may not hold at these values of the unknowns."""
+    notes = [
+        f"{each.words}: {doubt}"
+        for each in trials
+        for doubt in each.device.changed(**unknowns).doubts
+        if DISTRUSTED in doubt
+    ]
+    more = [f"likewise {len(notes) - 1} more trials"] if len(notes) > 1 else []
+    return [*notes[:1], *more]
 
 
 def times_of(trials: Sequence[Trial]) -> list[float]:

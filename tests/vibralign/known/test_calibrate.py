@@ -1,6 +1,7 @@
 """``vibralign calibrate``: from a table to a device file that other commands read; refusals."""
 
 import json
+import math
 
 import numpy as np
 import pytest
@@ -9,10 +10,11 @@ import xarray as xr
 from tests.vibralign.known.bench import FILE
 from vibralign import known_in_part, load_device
 from vibralign.commands import main as cli
-from vibralign.commands.calibrate import report
+from vibralign.commands.calibrate import next_lines, report
 from vibralign.known import posterior
 from vibralign.known.calibrate import Calibration
 from vibralign.known.fit import Fit
+from vibralign.known.next_trial import Next, Worth
 from vibralign.known.possible import sets_of
 
 TABLE = """press_force [N];amplitude [mm];result [ms]
@@ -101,6 +103,19 @@ def test_bad_input_is_refused_before_anything_is_computed(tmp_path, capsys, tabl
     assert (out, err.count("\n")) == ("", 1)
 
 
+@pytest.mark.parametrize("bits", [0.012, 0.1])
+def test_what_is_noise_is_not_proposed(bits):
+    trials = Worth("10 N", bits, {}), Worth("12 N", 0.01, {})
+    bench = Worth("measure friction", 0.26, {}), Worth("measure mass", 0.01, {})
+    text = "\n".join(next_lines(Next({}, 0.5, math.nan, trials, bench), None))
+    assert ("no trial tells more than 0.02 bits" in text) == (bits < 0.02)
+    assert ("10 N" in text) == ("worth 2.6 trials" in text) == (bits > 0.02)
+    assert "measure friction  0.26 bits" in text
+    assert not any(each in text for each in ("12 N", "mass"))
+    none = next_lines(Next({}, 0.5, math.nan, trials[1:], bench[1:]), None)
+    assert none[-1].startswith("next ")
+
+
 def test_an_interrupt_leaves_what_there_is():
     ranges, calls = load_device(FILE).unknown, []
 
@@ -123,3 +138,12 @@ def test_an_interrupt_leaves_what_there_is():
         assert words in text
         assert "too small to conclude; it was interrupted before more were run" in text
     assert found.weights.sum() == pytest.approx(1.0)
+    for odds, first in (
+        (0.4, "fit             the model"),
+        (0.5, "fit             THE MODEL DOES"),
+    ):
+        fit = Fit(0.5, 2.0, (), np.empty((0, 3)), {"a soft base": odds, "another": -1.0})
+        lines = report(Calibration(load_device(FILE), (), found, (), 1.0, fit))
+        assert lines[0].startswith(f"fit             {first}")
+        (said,) = (each for each in lines if "a soft base makes the trials" in each)
+        assert (said == lines[0]) == (odds > 0.45)

@@ -1,6 +1,7 @@
 """Posterior of the unknowns: right where it is known, and against brute force; the fit."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,10 +10,12 @@ from scipy.stats import norm
 from tests.vibralign.known.bench import FILE, QUICK, SETTINGS, TRUTH, trials_of, truth_of
 from vibralign import calibrate, load_device
 from vibralign.device.unknown import Range
+from vibralign.known.fit import fit_of, rivals_of
 from vibralign.known.likelihood import OUTLIERS, WIDEST, log_density, log_failing, log_likelihood
 from vibralign.known.next_trial import information, next_of
-from vibralign.known.possible import equally, run_sets, touch_downs
-from vibralign.known.posterior import sample
+from vibralign.known.possible import run_sets, touch_downs
+from vibralign.known.posterior import Samples, equally, quantiles, sample
+from vibralign.known.trials import read_trials
 
 RANGES = {"a": Range(0.0, 1.0), "b": Range(1.0, 100.0)}
 
@@ -38,6 +41,8 @@ def test_a_known_posterior_is_found():
     # The evidence is the integral over the ranges, which are of size 1: that of the normal one.
     evidence = np.exp(found.log_ratio + found.log_likelihood).sum()
     assert evidence == pytest.approx(math.tau * size**2 * 0.6, rel=0.1)
+    low, high = quantiles(shares[:, 0], found.weights, (0.05, 0.95))
+    np.testing.assert_allclose([low, high], 0.6 + 1.645 * size * np.array([-1, 1]), atol=0.01)
     rows = equally(found.weights, 64)
     np.testing.assert_allclose(shares[rows].mean(axis=0), mean, atol=0.01)
 
@@ -59,6 +64,49 @@ def test_a_trial_that_splits_the_verdicts_tells_all_of_the_doubt():
     verdict = np.array([True] * 8 + [False] * 8)
     assert information(times, verdict) > 0.8
     assert information(times, np.tile([True, False], 8)) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_rival_that_is_better_shows_that_the_model_does_not_fit():
+    # The model takes the same time at every setting, a rival 1.35 times as long at every other.
+    longer = np.tile([1.0, 1.35], 4)
+    rows = [{"press_force": f"{force} N", "result": f"{100.0 * each} ± {20.0 * each} ms"}
+            for force, each in zip(range(4, 12), longer, strict=True)]  # fmt: skip
+    trials = read_trials(load_device(FILE), rows)
+    z = norm.ppf((np.arange(64) + 0.5) / 64.0)[:, None]
+    times = [np.exp(np.linspace(-3.5, -1.0, 64))[:, None] * np.ones(4)] * 8
+    logs = sum(log_likelihood(trial, each, 2.0) for trial, each in zip(trials, times, strict=True))
+    samples = Samples(z, logs, math.log(64) + norm.logpdf(z[:, 0]))
+    each = zip(trials, longer, times, strict=True)
+    better = sum(log_likelihood(trial, factor * own, 2.0) for trial, factor, own in each)
+    assert fit_of(trials, times, samples, 2.0, {}).fits
+    found = fit_of(trials, times, samples, 2.0, {"like": logs[:32], "better": better})
+    assert found.rivals["like"] == pytest.approx(0.0)
+    assert found.rivals["better"] > 0.5
+    assert not found.fits
+
+
+def test_rivals_have_another_base_approach_or_friction():
+    device = load_device(FILE)
+    rows = [{"press_force": f"{force} N", "result": "fails"} for force in (4, 10, 16)]
+    sets = {"friction": np.array([0.2, 0.3]), "tilt_stiffness": np.array([0.3, 0.3])}
+
+    def rivals(device, rows=rows):
+        trials = read_trials(device, rows)
+        return [each(trials[0].device, sets) for each in rivals_of(device, trials).values()]
+
+    (lowered, same), (soft, _), (falling, own) = rivals(device)
+    assert (lowered.sudden, lowered.vibrator) == (False, "running")
+    assert same == sets
+    assert soft.quantities["contact_stiffness"] == pytest.approx(1e5)
+    assert falling.quantities == device.changed(press_force=4.0).quantities
+    np.testing.assert_allclose(own["friction"], sets["friction"] * math.sqrt(10.0 / 4.0))
+    del sets["friction"]
+    known = rivals(device.changed(friction=0.2))[-1][1]
+    np.testing.assert_allclose(known["friction"], 0.2 * math.sqrt(10.0 / 4.0) * np.ones(2))
+    still = rivals(device.changed(approach_speed=0.02, vibrator="running"), rows[:1] * 2)
+    assert [each.vibrator for each, _ in still] == ["still", "running"]
+    open_base = replace(device, unknown={**device.unknown, "contact_stiffness": Range(1e5, 1e6)})
+    assert len(rivals(open_base, rows[:1] * 2)) == 1
 
 
 def brute_force(device, found, side, downs):
@@ -112,11 +160,22 @@ def test_the_truth_lies_within_and_contradictions_do_not_fit():
     misfit = calibrate(device, torn, QUICK, touch_downs_tried=8)
     assert not misfit.fit.fits
     assert len(misfit.fit.outside) >= 3
+    assert len(misfit.fit.rivals) == 2
     with pytest.raises(ValueError, match="nothing can be concluded"):
         misfit.next()
     for asked in (misfit.intervals, misfit.posterior):
         with pytest.raises(ValueError, match="does not fit these trials"):
             asked()
+
+
+def test_a_part_that_goes_in_before_the_vibrator_sets_in_has_gone_in_at_once():
+    still = load_device(FILE).changed(approach_speed=0.03, vibrator="still")
+    rows = [{**setting, "result": "60 ms"} for setting in [SETTINGS[6]] * 2]
+    ranges = {"friction": Range(0.32, 0.4), "tilt_stiffness": Range(0.15, 0.2)}
+    still = replace(still, unknown=ranges)
+    found = calibrate(still, rows, QUICK, touch_downs_tried=4, target=5.0)
+    assert min(np.nanmin(each) for each in found.times) == pytest.approx(1e-4)
+    assert np.isfinite(found.fit.predicted).all()
 
 
 @pytest.mark.nightly

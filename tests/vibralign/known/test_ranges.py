@@ -13,6 +13,7 @@ from model.events.insertion import INSERTION
 from model.runs.settings import Settings
 from vibralign import DoubtWarning, covering, known_in_part, load_device, simulate
 from vibralign.commands import main as cli
+from vibralign.commands.known import possible_lines
 from vibralign.device.unknown import Range
 from vibralign.known.doubt import unknowns_of
 from vibralign.known.possible import run_sets, sets_of, touch_downs
@@ -147,6 +148,8 @@ def test_a_set_is_reliable_as_its_own_runs_say(tmp_path):
     found = known_in_part(device, settings, sets=4, touch_downs_tried=4)
     assert not runs.late.any()
     assert found.reliable.tolist() == np.isfinite(runs.time).all(axis=1).tolist()
+    for own, soft in ((device, False), (device.changed(contact_stiffness=1e4), True)):
+        assert possible_lines(found, own, 1.0)[0].endswith("the base is soft") == soft
     strict = load_device(device_file(tmp_path, PART + "limits: {time: 1 us}"))
     assert not known_in_part(strict, settings, sets=4, touch_downs_tried=4).reliable.any()
 

@@ -6,7 +6,7 @@ import pytest
 
 from tests.vibralign.known.test_ranges import device_file
 from vibralign import load_device
-from vibralign.known.trials import notes_on, read_trials
+from vibralign.known.trials import distrusted, notes_on, read_trials
 
 TABLE = """frequency,press_force,misalignment,result,note
 60 Hz,0.20 N,0.5 ± 0.1 mm,91.6 ms,
@@ -103,3 +103,12 @@ def test_tables_that_tell_little_are_noted(tmp_path):
     assert len(notes_on(alike, 2)) == 3
     assert notes_on(read(tmp_path, TABLE), 2) == []
     assert math.isclose(alike[0].error, 0.05)
+
+
+def test_trials_on_a_base_too_soft_for_the_model_are_noted(tmp_path):
+    trials = read(tmp_path, TABLE)
+    assert distrusted(trials, {}) == []
+    first, more = distrusted(trials, {"contact_stiffness": 1e4})
+    assert first.startswith("row 2 (frequency = 60 Hz")
+    assert "do not trust the verdict" in first
+    assert more == "likewise 4 more trials"
