@@ -16,7 +16,11 @@ from vibralign.known.calibrate import Calibration
 
 def _of_quantity(name: str) -> dict[str, Any]:
     meaning, quantity, _ = quantity_of(name)
-    return {"long_name": meaning, "units": quantity.unit}
+    return _in_words(meaning, quantity.unit)
+
+
+def _in_words(meaning: str, unit: str) -> dict[str, Any]:
+    return {"long_name": meaning, "units": unit}
 
 
 def dataset_of(found: Calibration) -> xr.Dataset:
@@ -24,8 +28,8 @@ def dataset_of(found: Calibration) -> xr.Dataset:
     variables: dict[str, Any] = {
         name: ("sample", column, _of_quantity(name)) for name, column in found.sets.items()
     }
-    weight = {"long_name": "share of what is possible that the sample stands for", "units": "1"}
-    variables["weight"] = ("sample", found.samples.weights, weight)
+    words = "share of what is possible that the sample stands for"
+    variables["weight"] = ("sample", found.samples.weights, _in_words(words, "1"))
     trials = found.trials
     times = {
         "observed_time": ([t.time for t in trials], "alignment time, NaN where it did not align"),
@@ -33,31 +37,20 @@ def dataset_of(found: Calibration) -> xr.Dataset:
     }
     for name, (column, meaning) in times.items():
         seconds = [np.nan if each is None else each for each in column]
-        variables[name] = ("trial", seconds, {"long_name": meaning, "units": "s"})
+        variables[name] = ("trial", seconds, _in_words(meaning, "s"))
     quantiles = np.where(np.isfinite(found.fit.times), found.fit.times, np.nan)
     words = "predicted alignment time, NaN where it fails"
-    variables["predicted_time"] = (
-        ("trial", "quantile"),
-        quantiles,
-        {"long_name": words, "units": "s"},
-    )
+    variables["predicted_time"] = (("trial", "quantile"), quantiles, _in_words(words, "s"))
     words = "probability of the result as the other trials predict it, from both ends"
-    variables["predicted"] = (
-        "trial",
-        np.array(found.fit.predicted),
-        {"long_name": words, "units": "1"},
-    )
+    variables["predicted"] = ("trial", np.array(found.fit.predicted), _in_words(words, "1"))
     for name in sorted({n for t in trials for n in t.device.changes if n in t.device.quantities}):
         own = np.array([t.device.quantities[name] for t in trials])
         key = f"trial_{name}" if name in variables else name
         variables[key] = ("trial", own, _of_quantity(name))
+    rows = [t.row for t in trials]
     coordinates = {
-        "trial": (
-            "trial",
-            [t.row for t in trials],
-            {"long_name": "row of the table", "units": "1"},
-        ),
-        "quantile": ("quantile", [0.05, 0.5, 0.95], {"long_name": "quantile", "units": "1"}),
+        "trial": ("trial", rows, _in_words("row of the table", "1")),
+        "quantile": ("quantile", [0.05, 0.5, 0.95], _in_words("quantile", "1")),
     }
     attributes = {
         "title": "What trials tell of a device",

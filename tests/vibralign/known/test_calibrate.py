@@ -138,10 +138,7 @@ def test_an_interrupt_leaves_what_there_is():
         assert words in text
         assert "too small to conclude; it was interrupted before more were run" in text
     assert found.weights.sum() == pytest.approx(1.0)
-    for odds, first in (
-        (0.4, "fit             the model"),
-        (0.5, "fit             THE MODEL DOES"),
-    ):
+    for odds, first in ((0.4, "the model fits"), (0.5, "THE MODEL DOES NOT FIT")):
         fit = Fit(0.5, 2.0, (), np.empty((0, 3)), {"a soft base": odds, "another": -1.0})
         lines = report(Calibration(load_device(FILE), (), found, (), 1.0, fit))
         assert lines[0].startswith(f"fit             {first}")
