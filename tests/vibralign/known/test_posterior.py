@@ -8,7 +8,7 @@ import pytest
 from scipy.stats import norm
 
 from tests.vibralign.known.bench import FILE, QUICK, SETTINGS, TRUTH, trials_of, truth_of
-from vibralign import calibrate, load_device
+from vibralign import DoubtWarning, calibrate, load_device
 from vibralign.device.unknown import Range
 from vibralign.known.fit import fit_of, rivals_of
 from vibralign.known.likelihood import OUTLIERS, WIDEST, log_density, log_failing, log_likelihood
@@ -163,6 +163,10 @@ def test_the_truth_lies_within_and_contradictions_do_not_fit():
     assert len(misfit.fit.rivals) == 2
     with pytest.raises(ValueError, match="nothing can be concluded"):
         misfit.next()
+    soft = device.changed(contact_stiffness=5e4)
+    with pytest.warns(DoubtWarning, match="soft base"):
+        doubted = calibrate(soft, torn[2:4], QUICK, touch_downs_tried=2, target=5.0)
+    assert any("do not trust the verdict" in each for each in doubted.notes)
     for asked in (misfit.intervals, misfit.posterior):
         with pytest.raises(ValueError, match="does not fit these trials"):
             asked()
