@@ -125,7 +125,7 @@ def report(found: "Calibration") -> list[str]:
     words = f"{more} makes them {_factor(abs(fit.odds))} times as probable as {less} does"
     lines.append(_line("trials", f"{len(found.trials)}; {words}"))
     if odds > 0.0 and better not in lines[0]:
-        lines.append(_line("  rival", better))
+        lines.append(_line("  rival", f"{better} (a misfit from {BETTER:g} times on)"))
     for number in fit.outside:
         share = f"{100.0 * fit.predicted[number]:.3g} %"
         text = f"{found.trials[number].words}: the other trials give it a probability of {share}"

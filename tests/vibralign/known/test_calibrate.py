@@ -144,3 +144,4 @@ def test_an_interrupt_leaves_what_there_is():
         assert lines[0].startswith(f"fit             {first}")
         (said,) = (each for each in lines if "a soft base makes the trials" in each)
         assert (said == lines[0]) == (odds > 0.45)
+        assert ("a misfit from 3 times on" in said) == (odds < 0.45)
