@@ -59,7 +59,7 @@ def test_an_edit_below_every_job_leaves_none_of_them_out(copy_of_built: Any) -> 
     (copy_of_built.folder / "tiny/data/fig05.nc").unlink()
     edited = copy_of_built.dry_run(*copy_of_built.DATA, *copy_of_built.BESIDE)
     counts = dict(line.split() for line in edited.stdout.splitlines() if len(line.split()) == 2)
-    jobs = ("kernels", "sweep", "chunk", "merge", "unlocated_kernels", "precision")
+    jobs = ("kernels", "sweep", "chunk", "merge", "precision")
     assert set(jobs) <= set(counts), edited.stdout
     assert int(counts["chunk"]) == 3
 

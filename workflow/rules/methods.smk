@@ -7,30 +7,11 @@ and nothing in data/ or figures/ is made from them.
 from verification.bench.plans import precision_plan
 
 
-# Apart from the other kernels, so that an edit of the compared methods reruns no figure.
-rule unlocated_kernels:
-    input:
-        "<results>/data/kernels.json",
-    output:
-        data="<results>/data/unlocated_kernels.json",
-        record="<results>/data/unlocated_kernels.run.json",
-    log:
-        "<results>/logs/unlocated_kernels.log",
-    priority: 3
-    params:
-        *code("unlocated_kernels"),
-        parameters=study.baseline.given(),
-    message:
-        "compiling the kernels without event location"
-    script:
-        "../scripts/unlocated_kernels.py"
-
-
 # One job for both outputs, so that the most expensive runs are made once. Snakemake limits a job of
 # one thread to one thread of linear algebra: with more, scipy's Radau would round otherwise.
 rule precision:
     input:
-        "<results>/data/unlocated_kernels.json",
+        "<results>/data/kernels.json",
     output:
         data="<results>/data/precision.csv",
         times="<results>/benchmarks/precision.csv",

@@ -6,13 +6,10 @@ in ``peers`` for ``make bench``.
 
 from collections.abc import Mapping
 
-from model.physics.parameters import Parameters
-from model.runs.settings import Settings
 from verification.bench.methods.base import Method
 from verification.bench.methods.by_hand import FixedSteps
 from verification.bench.methods.package import Package
 from verification.bench.methods.scipy_unlocated import ScipyUnlocated
-from verification.bench.problems import Problem
 
 _TOGETHER = 16  # runs that spread the cost of a call, where they are short
 
@@ -27,11 +24,3 @@ METHODS: Mapping[str, Method] = {
     "scipy_lsoda": ScipyUnlocated("LSODA"),
     "scipy_radau": ScipyUnlocated("Radau"),
 }
-
-
-def compile_unlocated(parameters: Parameters) -> None:
-    """Compile the kernels of the methods without event location, by short runs."""
-    problem = Problem("short", (parameters,), Settings(horizon=0.1))
-    for method in METHODS.values():
-        if not method.located:
-            method.answer(problem, 0.1)
