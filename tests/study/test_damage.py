@@ -56,9 +56,9 @@ REFUSED = {
         "history/1.json", lambda path: path.write_text(json.dumps(RECORD), encoding="utf-8"),
         lambda path: load_history(path.parents[1]), TrackingError, "delete it",
     ),
-    "claims": Refused(
+    "verdicts": Refused(
         "claims.csv", lambda path: path.write_text("id,verdict\nF6a,reproduced\n", "utf-8"),
-        lambda path: changed_verdicts(path, path), TrackingError, "build it again",
+        lambda path: changed_verdicts(path, path), TableError, "build it again",
     ),
     "table": Refused(
         "claims.csv",

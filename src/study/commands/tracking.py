@@ -2,7 +2,7 @@
 
 import argparse
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
 
@@ -201,8 +201,8 @@ def _diff_lines(found: Comparison, listed: int | None) -> list[str]:
         differences = getattr(found, title)
         if differences is not None:
             lines += _section(title, [asdict(each) for each in differences], columns, listed)
-    data = ("figure", "variable", "points", "differing", "largest", "at", "A", "B", "gaps")
-    lines += _section("data", [_change(each) for each in found.data], data, listed)
+    data = tuple(each.name for each in fields(Change))
+    lines += _section("data", [asdict(each) for each in found.data], data, listed)
     if found.other_data:
         lines += ["", "files that differ:"]
         lines += [f"  {each}" for each in found.other_data]
@@ -221,18 +221,3 @@ def _section(
     if len(shown) < len(rows):
         lines.append(f"  … and {len(rows) - len(shown)} more: --all shows them")
     return lines
-
-
-def _change(change: Change) -> dict[str, Any]:
-    gaps = f"+{change.appeared} -{change.vanished}" if change.appeared or change.vanished else ""
-    return {
-        "figure": change.figure,
-        "variable": change.variable,
-        "points": change.points,
-        "differing": change.differing,
-        "largest": f"{change.largest:.3g}",
-        "at": change.at,
-        "A": change.before,
-        "B": change.after,
-        "gaps": gaps,
-    }

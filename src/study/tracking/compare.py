@@ -3,7 +3,6 @@
 Variables are compared by name, over the points that both datasets have.
 """
 
-import csv
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -12,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from study.csv_tables import read_rows
 from study.tracking import TrackingError
 from study.tracking.records import Record, changed_inputs, records
 
@@ -131,17 +131,9 @@ def changed_verdicts(before: Path, after: Path) -> list[Difference]:
 
 
 def _verdicts(path: Path) -> dict[str, str]:
-    try:
-        with path.open(encoding="utf-8", newline="") as stream:
-            rows = csv.DictReader(stream)
-            names = rows.fieldnames or []
-            if "verdict" in names:
-                return {row[names[0]]: row["verdict"] for row in rows}
-    except (UnicodeDecodeError, csv.Error):
-        names = ["no table"]
-    raise TrackingError(
-        f"{path}: has no column 'verdict', but {', '.join(names) or 'nothing'}: build it again"
-    )
+    """Return the verdicts of a table by the first column; a TableError tells what is none."""
+    named = read_rows(path, "verdicts", lambda row: (next(iter(row.values())), row["verdict"]))
+    return dict(named)
 
 
 def _differences(
