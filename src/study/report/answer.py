@@ -39,7 +39,7 @@ def section(results: Results) -> Section:
     regimes = {name: regime_of(figure_of(each.dataset)) for name, each in counts.items()}
     lines = read_ledger(results.file("claims.csv"))
     reliable = {name: _reliable(results, counts[name]) for name in results.study.named("map")}
-    goes_in = {name: each.share_of("insertion", "inserted") for name, each in counts.items()}
+    goes_in = {name: each.inserted_share for name, each in counts.items()}
     of = conclusions(lines)
     findings = [
         _paper(lines, results.dataset("data/cases.nc")["random"].values),

@@ -6,8 +6,9 @@ import numpy as np
 import xarray as xr
 from markupsafe import Markup
 
-from model.events.outcomes import OUTCOME_TEXT, Outcome, Reason
+from model.events.outcomes import OUTCOME_TEXT, InsertionOutcome, Outcome, Reason
 from model.physics.parameters import FIELDS
+from study.claims.measures import share
 from study.report.section import (
     Results,
     Section,
@@ -16,7 +17,7 @@ from study.report.section import (
     link,
     values_of,
 )
-from vibralign.plots.style import Bools, Floats, flagged
+from vibralign.plots.style import Bools, Floats
 from vibralign.plots.words import figure_title, power, short
 
 HEAD = "fig14"  # the figure at the head of the page, also in README
@@ -50,11 +51,10 @@ class Counts:
         error = error[~np.isnan(error)]
         return float(np.quantile(error, quantile)) if error.size else np.nan
 
-    def share_of(self, variable: str, meaning: str) -> float:
-        """Return the share of the aligned runs with a flag (``style.flagged``); NaN if unknown."""
-        if variable not in self.dataset or not self.aligned.any():
-            return np.nan
-        return float(flagged(self.dataset, variable, meaning)[self.aligned].mean())
+    @property
+    def inserted_share(self) -> float:
+        """Share of the aligned runs whose part goes in; NaN if none aligns."""
+        return share(self.dataset["insertion"].values[self.aligned] == InsertionOutcome.INSERTED)
 
 
 def counts_of(results: Results) -> dict[str, Counts]:
