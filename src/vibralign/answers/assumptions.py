@@ -170,15 +170,20 @@ def _goal(parameters: Parameters, settings: Settings, stated: StatedDevice | Non
         return "aligned: the face has reached the chamfers, whose flanks are not modelled"
     if settings.success is not Outcome.INSERTED:
         return "aligned: the edge is past the corner of the hole"
-    batch, depth = Batch.stack([parameters]), settings.insertion_depth
-    reach = float(batch.reaches()[0])
+    reach, depth = float(Batch.stack([parameters]).reaches()[0]), settings.insertion_depth
     holds = f"{in_words(reach, LENGTH, units)}, where the press holds it against its axial spring"
     if depth is None:
-        depth = float(batch.insertion_depths()[0])
+        depth = depth_of(parameters, settings)
         why = f"half of {holds}" if 2.0 * depth >= reach else f"the half-width, of {holds}"
     else:
         why = f"of {holds}" if depth < reach else f"out of reach: it overshoots {holds}"
     return f"inserted to a depth of {in_words(depth, LENGTH, units)} ({why}; no further feed)"
+
+
+def depth_of(parameters: Parameters, settings: Settings) -> float:
+    """Return the depth at which a part is inserted, dimensionless."""
+    own = settings.insertion_depth
+    return float(Batch.stack([parameters]).insertion_depths()[0]) if own is None else own
 
 
 def _base(parameters: Parameters, stated: StatedDevice | None) -> str:

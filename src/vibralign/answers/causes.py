@@ -45,6 +45,16 @@ class _Lean(NamedTuple):
 
 def cause_of(run: Trajectory, shape: Shape) -> Cause:
     """Return the cause for which a run of a part of this shape has failed."""
+    found = _cause_of(run, shape)
+    return found._replace(words=in_words_of(shape, found.words))
+
+
+def in_words_of(shape: Shape, words: str) -> str:
+    """Return words of the paper on a slot as they are said of a part of this shape."""
+    return words.replace("slot", "hole") if shape == "round" else words
+
+
+def _cause_of(run: Trajectory, shape: Shape) -> Cause:
     tilt = f"{math.degrees(run.tilt_max):.2g}°"
     why = REASON_TEXT[run.reason]
     if not math.isnan(run.tau_align):

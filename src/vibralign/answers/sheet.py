@@ -4,11 +4,11 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from model.events.outcomes import SUCCESS_TEXT
-from model.physics.quantities import FORCE, TIME
+from model.events.outcomes import SUCCESS_TEXT, Outcome
+from model.physics.quantities import FORCE, LENGTH, TIME
 from model.physics.units import Units
 from model.runs.settings import Settings
-from vibralign.answers.assumptions import source_words
+from vibralign.answers.assumptions import depth_of, source_words
 from vibralign.answers.forces import tip_force
 from vibralign.answers.leeways import Leeway, Nearest, steps_between
 from vibralign.answers.si import (
@@ -23,6 +23,7 @@ from vibralign.device import StatedDevice
 from vibralign.device.approach import SPEED
 from vibralign.device.base import restitution_at
 from vibralign.device.mouth import GRIPPER_TILT
+from vibralign.device.stated import FOLLOWED
 
 if TYPE_CHECKING:
     from vibralign.answers.assess import Assessment
@@ -41,7 +42,9 @@ def verdict_words(result: "Assessment") -> str:
     if result.depends_on_base:
         return "depends on the base: measure it"
     words = f"{'' if result.reliable else 'not '}reliable at the stated values"
-    return f"{words}, whatever the approach" if result.approaches else words
+    words = f"{words}, whatever the approach" if result.approaches else words
+    chamfered = isinstance(result.device, StatedDevice) and result.device.is_chamfered
+    return f"{words}, up to where the chamfers meet" if chamfered else words
 
 
 def sheet_rows(
@@ -58,7 +61,7 @@ def sheet_rows(
     stated = device if isinstance(device, StatedDevice) else None
     units = None if stated is None else stated.units
     rows = [("device", device_words(stated)), ("verdict", verdict or verdict_words(result))]
-    rows.append((SUCCESS_TEXT[settings.success], _tried(result)))
+    rows.append((SUCCESS_TEXT[settings.success], f"{_tried(result)}{_followed(stated, settings)}"))
     if result.failing_start is not None:
         rows += [("for example", _example(result, stated)), ("cause", result.cause)]
         rows += [("first to change", change_words(result))] if result.change else []
@@ -140,6 +143,15 @@ def _tried(result: "Assessment") -> str:
     if result.if_square is not None:
         words += f"; if it is square, from {result.if_square.aligned} of {result.if_square.starts}"
     return words
+
+
+def _followed(stated: StatedDevice | None, settings: Settings) -> str:
+    """Return how far a part of a file is followed."""
+    if stated is None or settings.success is not Outcome.INSERTED:
+        chamfered = stated is not None and stated.is_chamfered
+        return f"; {FOLLOWED}" if chamfered else ""
+    depth = in_words(depth_of(stated.parameters, settings), LENGTH, stated.units, DIGITS)
+    return f"; followed until {depth} deep"
 
 
 def _counted(what: str, number: int) -> str:
@@ -237,7 +249,8 @@ def _not_stated(result: "Assessment", stated: StatedDevice) -> str:
             result.approaches
         )
     if not stated.base_is_stated:
-        open_ones["the base"] = result.bases
+        fixed = math.isfinite(stated.fixture)
+        open_ones["the base on its fixture" if fixed else "the base"] = result.bases
     if GRIPPER_TILT not in stated.quantities:
         open_ones[GRIPPER_TILT] = result.tilts
     if stated.stated_shape is None:
@@ -245,7 +258,8 @@ def _not_stated(result: "Assessment", stated: StatedDevice) -> str:
     impact = ""
     if stated.base_is_stated and not stated.quantities.keys() & {"restitution", "contact_damping"}:
         taken = restitution_at(stated.parameters, stated.shape)
-        impact = f"restitution, taken as {taken:.2g}: state it if impacts are known"
+        impact = f"restitution, taken as {taken:.2g} from the model's damping, whatever the "
+        impact += "materials (metals: 0.6 to 0.9, plastics: 0.3 to 0.6): state it"
     if not open_ones:
         return impact or "nothing: approach, base and gripper's tilt are stated"
     words = f"{impact and f'{impact}; '}{', '.join(open_ones)}: tried as above"

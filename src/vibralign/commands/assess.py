@@ -217,7 +217,7 @@ def headline(
     if drawn is None:
         return f"{words}; no tolerances are stated"
     words += f"; yield {yield_words(drawn)} under the tolerances"
-    return f"{words}, but within them it {drawn_exceed}" if drawn_exceed else words
+    return f"{words}, of which some {drawn_exceed}" if drawn_exceed else words
 
 
 def _required(

@@ -1,5 +1,6 @@
 """Details of an assessment: what ``vibralign assess --details`` prints below its sheet."""
 
+import math
 from typing import TYPE_CHECKING
 
 from model.events.outcomes import SUCCESS_TEXT
@@ -84,10 +85,11 @@ def _stiff_bases(result: "Assessment", units: Units | None) -> str:
         return f"neither the verdict nor the time (within 2 %) changes {rigid}"
     if decided is None:
         return "the verdict still changes at the stiffest base tried"
-    return (
-        f"the verdict does not change {decided}; the time changes by "
-        f"{100.0 * result.last_change:.2g} % over the last step of stiffness"
-    )
+    words = f"the verdict does not change {decided}"
+    if math.isnan(result.last_change):
+        return words
+    change = f"{100.0 * result.last_change:.2g} %"
+    return f"{words}; the time changes by {change} over the last step of stiffness"
 
 
 def leeway_lines(result: "Assessment") -> list[str]:

@@ -48,12 +48,14 @@ def exceeded_words(results: "Sequence[LimitResult]", *, only_drawn: bool) -> str
         for each in results
         if each.exceeding is not None and each.only_drawn == only_drawn
     ]
-    return f"exceeds the limit of {' and of '.join(words)}" if words else ""
+    verb = "exceed" if only_drawn else "exceeds"
+    return f"{verb} the limit of {' and of '.join(words)}" if words else ""
 
 
 def _against(result: "LimitResult") -> str:
     sign = ">" if result.exceeding is not None else "of"
-    return f"against {_limit(result)}" if result.name == "vibration" else f"{sign} {_limit(result)}"
+    limit = _limit(result)
+    return f"where {limit} is asked" if result.name == "vibration" else f"{sign} {limit}"
 
 
 def _limit(result: "LimitResult") -> str:

@@ -21,6 +21,7 @@ from model.runs.unvibrated import unvibrated_results, unvibrated_words
 from model.sweeps.files import write_text
 from model.sweeps.version import version
 from vibralign.answers.assumptions import assumptions, lines_of
+from vibralign.answers.causes import in_words_of
 from vibralign.answers.forces import forces_words, tip_record, until
 from vibralign.answers.lever import lever_record, lever_words, wall_words
 from vibralign.answers.reliability import FORCES
@@ -136,7 +137,8 @@ def _report(run: Trajectory, units: Units | None, settings: Settings, scene: str
     ``scene`` says how far it is followed, if it can be followed further.
     """
     aligned = not math.isnan(run.tau_align)
-    rows = [("outcome", f"{_name(run.outcome)}: {run.message}")]
+    message = in_words_of(settings.shape or "square", run.message)
+    rows = [("outcome", f"{_name(run.outcome)}: {message}")]
     rows += [("scene", scene)] if scene else []
     if run.outcome not in SUCCESSES:
         from vibralign.answers.causes import waits_in_vain, way_of  # noqa: PLC0415  (of failures only)

@@ -52,8 +52,10 @@ def yield_rows(
 ) -> list[tuple[str, str]]:
     """Return the rows of the sheet on the yield; ``required`` says if that of --require is met."""
     words = f"{yield_words(drawn)}: {drawn.going_in:,} of {drawn.devices:,} "
-    words += "devices within the tolerances go in from every touch-down"
-    rows = [("yield", words + ("" if stated.base_is_stated else ", on every base"))]
+    goal = "reach the chamfers" if stated.is_chamfered else "go in"
+    words += f"devices within the tolerances {goal} from every touch-down"
+    words += "" if stated.base_is_stated else ", on every base"
+    rows = [("yield", words + _approach(stated))]
     if drawn.on_chamfers:
         words = f"{drawn.on_chamfers:,} of these land with chamfer on chamfer and slide in under "
         rows.append(("on chamfers", f"{words}the press; forces on the flanks are not modelled"))
@@ -77,7 +79,7 @@ def yield_lines(
     drawn: "Yield", failing: "FailingDevice | None", stated: "StatedDevice", settings: "Settings"
 ) -> list[str]:
     """Return the detailed lines on the yield: times, forces, indices, the command that fails."""
-    lines = []
+    lines = [f"devices within the tolerances{_approach(stated)}:"]
     times = [("alignment time", drawn.time, TIME, si.DIGITS)] if drawn.going_in else []
     if drawn.going_in and not math.isnan(drawn.insertion[0]):
         times.append(("inserted after", drawn.insertion, TIME, si.DIGITS))
@@ -101,6 +103,11 @@ def yield_lines(
     if failing is not None:
         lines += ["nearest failing device:", f"  {_command(failing, stated, settings)}"]
     return lines
+
+
+def _approach(stated: "StatedDevice") -> str:
+    """Return the approach with which devices are drawn."""
+    return ", lowered " + str(stated.approaches()[0]) if stated.approaches() else ""
 
 
 def _share(index: float) -> str:

@@ -43,6 +43,17 @@ def test_a_part_that_hardly_slips_sticks_on_its_edge_or_on_the_rim():
     assert f"tilted by at most {math.degrees(square.tilt_max):.2g}°" in words
 
 
+def test_a_round_part_has_a_hole_and_no_slot(capsys):
+    run = replace(run_of("square"), outcome=Outcome.LEFT_SCENE, reason=Reason.MOVED_AWAY,
+                  tau_align=math.nan)  # fmt: skip
+    assert "off the slot's edge, away from the slot" in cause_of(run, "square").words
+    assert "off the hole's edge, away from the hole" in cause_of(run, "round").words
+    docs = PEG.parents[2] / "docs" / "peg.yaml"
+    for device, place in ((PEG, "slot"), (docs, "hole")):
+        assert cli.main(["simulate", "--device", str(device)]) == cli.DONE
+        assert f"aligned: the part fell into the {place}\n" in capsys.readouterr().out
+
+
 def test_the_angle_of_a_round_part_is_that_of_the_wedge():
     run = run_of("round", friction=0.4)
     found = _lean(run, "round")

@@ -1,6 +1,7 @@
 """``vibralign assess``: output, its units, and refusals."""
 
 import json
+import math
 import re
 import shlex
 from dataclasses import replace
@@ -22,12 +23,15 @@ from vibralign.answers.si import si_list
 from vibralign.answers.verdicts import Base, Verdict
 from vibralign.answers.yields import drawn
 from vibralign.commands import main as cli
+from vibralign.commands.details import verdict_lines
 from vibralign.commands.next_step import map_words
 from vibralign.commands.yields import yield_words
 from vibralign.device import load_device
 from vibralign.device.base import restitution_at
+from vibralign.device.stated import FOLLOWED
 
 PEG = str(Path(__file__).parents[2] / "square" / "peg.yaml")
+NAN = float("nan")
 COARSE = ["--horizon", "60", "--tolerance", "1e-6"]
 IN_SECONDS = ["--horizon", "200 ms", "--tolerance", "1e-6"]  # of the peg: 20 of its units
 
@@ -53,7 +57,9 @@ def test_a_device_in_si_units_is_assessed_in_si_units(capsys, monkeypatch):
     part = "square, 10 mm by 40 mm, play 0.4 mm, 0.8 mm beside the hole"
     assert row(shown, "device") == f"{PEG}, with contact_stiffness=300 kN/m: {part}"
     assert row(shown, "verdict") == "reliable at the stated values; no tolerances are stated"
-    assert row(shown, "goes in") == "from all 48 touch-downs tried: 3 tilts of the gripper"
+    assert row(shown, "goes in") == (
+        "from all 48 touch-downs tried: 3 tilts of the gripper; followed until 1.67 mm deep"
+    )
     times = r"[\d.]+ to [\d.]+ ms until aligned, [\d.]+ to [\d.]+ ms until inserted; from the touch"
     assert re.fullmatch(times, row(shown, "time"))
     assert re.match(r"[\d.]+ N at the \w+, ", row(shown, "largest force"))
@@ -126,8 +132,31 @@ def test_the_impact_that_is_taken_is_said_not_to_be_stated():
     assert dict(sheet_rows(replace(found, device=stated)))["not stated"].startswith("nothing")
     assert restitution_at(stated.parameters, "square") == pytest.approx(0.4)
     bare = load_device(PEG, own)
-    taken = f"restitution, taken as {restitution_at(bare.parameters, 'square'):.2g}: "
+    taken = f"restitution, taken as {restitution_at(bare.parameters, 'square'):.2g} from the model"
     assert dict(sheet_rows(replace(found, device=bare)))["not stated"].startswith(taken)
+    fixed = load_device(PEG, {"approach_speed": "sudden", "fixture_stiffness": 3e5})
+    rows = dict(sheet_rows(replace(found, device=fixed)))
+    assert rows["not stated"].startswith("the base on its fixture, gripper_tilt: ")
+
+
+def test_stiff_bases_without_a_common_time_have_no_change_of_it():
+    """Restitutions have the same number of bases, but for the device's own: the stiffest here."""
+    own = Verdict(Base(4e3, None, own=True), 16, 3, 2.0, 3.0, 1.0, 1.5)
+    others = [own._replace(of=Base(k, 0.3), aligned=n) for k, n in ((1e3, 0), (2e3, 1))]
+    peg = load_device(PEG)
+    found = Assessment(16, 0, NAN, NAN, {}, bases=(own, *others))
+    assert math.isnan(found.last_change)
+    shown = "\n".join(verdict_lines(found, peg.units, peg.parameters, Settings()))
+    assert "stiff bases" in shown
+    assert "nan" not in shown.partition("stiff bases")[2]
+
+
+def test_a_part_with_chamfers_is_said_to_be_followed_up_to_these():
+    stated = load_device(PEG, {"peg_chamfer": "0.1 mm", "contact_stiffness": 3e5})
+    rows = dict(sheet_rows(Assessment(1, 1, 2.0, 3.0, None, device=stated)))
+    words = "reliable at the stated values, up to where the chamfers meet"
+    assert rows["verdict"] == words
+    assert rows["aligns"].endswith(f"; {FOLLOWED}")
 
 
 def test_a_sheet_is_short_and_its_words_are_those_of_the_tutorial(capsys, monkeypatch):
@@ -193,7 +222,7 @@ def test_a_limit_of_the_file_is_kept_or_exceeded(capsys, tmp_path):
     shown = said(capsys, *line, "--require", "0.5", code=cli.FAILED)
     value = r"[\d.]+ m?s"
     words = rf"reliable at the stated values, but exceeds the limit of time \({value} > 5 ms\)"
-    words += r" and of vibration \(needed against not needed\)"
+    words += r" and of vibration \(needed where not needed is asked\)"
     assert re.search(rf"^verdict +{words}; yield 100 %", shown, re.MULTILINE)
     lines = r"  contact_force  limit 90 N +[\d.]+ N as stated +[\d.]+ N of all drawn +kept\n"
     lines += rf"  time           limit 5 ms +{value} as stated +{value} of all drawn +exceeded\n"
@@ -209,6 +238,7 @@ def test_a_limit_of_the_file_is_kept_or_exceeded(capsys, tmp_path):
     assert (force["drawn"], time["drawn"]) == (runs.force.max(), runs.time.max())
     assert record["yield"]["largest"]["tilt"] == runs.tilt.max()
     most = f"at most {1e3 * runs.time.max():.4g} ms of all drawn"
+    assert "devices within the tolerances:\n" in shown
     assert re.search(rf"^alignment time .* \(5, 50, 95 %\); {most}$", shown, re.MULTILINE)
     most = f"at most {runs.force.max():.2g} N of all drawn"
     assert re.search(rf"^contact force .* \(5, 50, 95 %\); {most}$", shown, re.MULTILINE)
@@ -223,7 +253,7 @@ def test_a_limit_that_only_drawn_devices_exceed_is_said_so(capsys, tmp_path):
     between = 0.5 * (time["itself"] + time["drawn"])
     path = with_limits(tmp_path, f"time: {between!r}")
     verdict = said(capsys, *line, path, code=cli.FAILED).splitlines()[1]
-    words = "confidence) under the tolerances, but within them it exceeds the limit of time ("
+    words = "confidence) under the tolerances, of which some exceed the limit of time ("
     assert verdict.startswith("verdict         reliable at the stated values; yield 100 %")
     assert words in verdict
 
