@@ -8,11 +8,14 @@ from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from model.events.outcomes import SUCCESS_TEXT
 from model.physics.parameters import PARAMETER_NAMES, check_name
 from model.physics.quantities import FORCE
 from model.sweeps.axes import Axis
 from model.sweeps.settings import RunSettings
+from model.sweeps.sweep import START
 from vibralign.answers.assumptions import (
     as_attribute,
     assumptions,
@@ -21,18 +24,20 @@ from vibralign.answers.assumptions import (
     lines_of,
 )
 from vibralign.answers.forces import until
-from vibralign.answers.si import si_list
+from vibralign.answers.si import si_list, written_words
 from vibralign.commands.arguments import (
     Inputs,
     add_model_options,
     announce_compilation,
     number,
     read_inputs,
+    set_options,
 )
 from vibralign.commands.files import check_file, check_picture, writing
 from vibralign.commands.program import add_command
 from vibralign.commands.progress import ProgressLine
 from vibralign.device.amounts import read_amount, read_range
+from vibralign.device.limits import of_vibrator
 from vibralign.device.spelling import ends_of, plain
 from vibralign.device.stated import StatedDevice, check_quantity, unit_of
 
@@ -104,7 +109,7 @@ def _map(arguments: argparse.Namespace) -> int:
             from vibralign.plots.style import write  # noqa: PLC0415
 
             write(stability_map(dataset), arguments.plot)
-    print("\n".join([*_report(dataset), *lines_of(assumed)]))
+    print("\n".join([*_report(dataset, given.stated), *lines_of(assumed)]))
     return 0
 
 
@@ -176,7 +181,28 @@ def _axis(
     return kind(parameter=name, start=start, stop=stop, count=count)
 
 
-def _report(dataset: "xr.Dataset") -> list[str]:
+def _safest(dataset: "xr.Dataset", stated: StatedDevice | None) -> str:
+    """Return the node farthest inside the reliable area of the map, as options to paste."""
+    from scipy.ndimage import distance_transform_edt  # noqa: PLC0415  (slow)
+
+    good = dataset["reliable"] == 1
+    values = {str(name).removeprefix(START): good[name] for name in good.dims}
+    if stated is not None:
+        own = {**stated.quantities, **values}
+        for name, each in of_vibrator(own["amplitude"], own["frequency"]).items():
+            good = good & (each <= stated.limits.get(name, math.inf))
+    far = distance_transform_edt(np.pad(good.transpose(*dataset["reliable"].dims), 1))[1:-1, 1:-1]
+    if not far.any():
+        return "none within the limits of the vibrator"
+    place = np.unravel_index(int(far.argmax()), far.shape)
+    node = [(n, float(e[i])) for (n, e), i in zip(values.items(), place, strict=True)]
+    named: dict[str, object] = {
+        n: f"{v:.4g}" if stated is None else written_words(n, v, stated) for n, v in node
+    }
+    return f"{' '.join(set_options(named).values())}, amid reliable nodes: assess it"
+
+
+def _report(dataset: "xr.Dataset", stated: StatedDevice | None) -> list[str]:
     from model.sweeps.vibration import ONLY_VIBRATED, added, success_of  # noqa: PLC0415  (as in _map)
 
     by_vibration = float((added(dataset) == ONLY_VIBRATED).mean())
@@ -200,4 +226,5 @@ def _report(dataset: "xr.Dataset") -> list[str]:
         cases = dataset["reliable"].attrs.get("comment", f"from each of {starts} starts")
         words = f"{100.0 * share:.3g} % of {nodes:,} nodes, {cases}"
         rows.insert(1, ("reliable", words))
+        rows[2:2] = [("safest node", _safest(dataset, stated))] if share else []
     return [f"{name:<15}{words}" for name, words in rows]

@@ -1,8 +1,9 @@
 """Files that ``vibralign assess`` writes of a device: its page (--sheet) and its map (--plot)."""
 
+import math
 import os
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,14 +17,18 @@ from model.sweeps.sweep import merge, run
 from model.sweeps.version import version
 from vibralign.answers.assess import Assessment
 from vibralign.answers.assumptions import source_words
+from vibralign.answers.cases import cases_of
 from vibralign.answers.leeways import ADDED, moved
 from vibralign.answers.maps import QuantityAxis, in_every_case, map_of
 from vibralign.answers.sheet import deciding
+from vibralign.commands.next_step import ranges_to_look
 from vibralign.device import StatedDevice
 from vibralign.device.instead import name_in
 from vibralign.doubts import DoubtWarning
 from vibralign.plots.device_sheet import device_map, render
 from vibralign.plots.style import write
+
+Tell = Callable[[int], None]
 
 _AXES = ("tilt_stiffness", "press_force")  # of the map, where no two quantities decide
 _SPAN = 0.25, 2.5  # ends of an axis over the value, where the file states no range
@@ -39,47 +44,68 @@ def write_sheet(
     groups: Mapping[str, Sequence[str]],
     result: Assessment,
     settings: Settings,
+    tell: Tell = lambda _: None,
 ) -> None:
     """Write the page of an assessed device: what ``assess`` prints, a map and a run.
 
     ``verdict`` is the headline, and whether it is good; ``groups`` are printed lines by title.
-    The map is over what the file leaves free, then over what decides.
+    The map is over what the file leaves free, then over what decides. ``tell`` is called with the
+    largest number of its runs before they begin.
     """
     settings = replace(settings, tolerance=max(settings.tolerance, _TOLERANCE))
     lowered = stated.lowered(result.worst)
-    dataset = _map(stated, [*stated.free, *deciding(result)], result, settings)
+    dataset = _map(stated, [*stated.free, *deciding(result)], result, settings, tell)
     made_by = f"{source_words(stated)}; vibralign {version()}"
     course = simulate_once(stated.parameters, settings)
     write_text(render(lowered, verdict, groups, course, dataset, made_by), path)
 
 
-def write_plot(path: Path, stated: StatedDevice, result: Assessment, settings: Settings) -> None:
+def write_plot(
+    path: Path,
+    stated: StatedDevice,
+    result: Assessment,
+    settings: Settings,
+    tell: Tell = lambda _: None,
+) -> None:
     """Draw what goes in over the two quantities that decide, with the stated point."""
     settings = replace(settings, tolerance=max(settings.tolerance, _TOLERANCE))
     lowered = stated.lowered(result.worst)
-    write(device_map(lowered, _map(stated, deciding(result), result, settings)), path)
+    write(device_map(lowered, _map(stated, deciding(result), result, settings, tell)), path)
 
 
 def _map(
-    stated: StatedDevice, names: Sequence[str], result: Assessment, settings: Settings
+    stated: StatedDevice,
+    names: Sequence[str],
+    result: Assessment,
+    settings: Settings,
+    tell: Tell,
 ) -> xr.Dataset:
-    """Return a map over the first two of these quantities, without doubts of its far ends."""
-    usual = (name_in(stated.quantities, name) for name in _AXES)
-    x, y = (_axis(stated, name) for name in list(dict.fromkeys((*names, *usual)))[:2])
+    """Return a map over the first two of these quantities, without doubts of its far ends.
+
+    Where no change that was tried helps, it is that of ``ranges_to_look``.
+    """
+    helpless = result.failing_start is not None and not result.change
+    ranges = (ranges_to_look(stated) if helpless else {}) | dict(stated.free)
+    usual = [name_in(stated.quantities, name) for name in _AXES]
+    names = [*names, *ranges, *usual]
+    x, y = (_axis(stated, name, ranges.get(name)) for name in list(dict.fromkeys(names))[:2])
     ensemble, cores = Ensemble(), os.cpu_count() or 1
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DoubtWarning)
         lowered = stated.lowered(result.worst)
         sweep = map_of(lowered, RunSettings.of(settings), (x, y), ensemble)
     title = f"What goes in, over {x.parameter} and {y.parameter}"
+    assert sweep.starts is not None  # noqa: S101 - no axis is one of the starts
+    in_all = math.prod(sweep.starts.shape[:2]) * len(cases_of(stated, ensemble, varied=sweep.swept))
+    tell(math.prod(sweep.shape) + math.prod(sweep.starts.shape) + in_all)
     found = merge(sweep, title, [run(sweep, cores=cores)])
     return in_every_case(found, stated, settings, ensemble, cores)
 
 
-def _axis(stated: StatedDevice, name: str) -> QuantityAxis:
+def _axis(stated: StatedDevice, name: str, range_: tuple[float, float] | None) -> QuantityAxis:
     """Return an axis of the map, in SI units."""
     value = {**stated.values, **stated.quantities}[name]
-    low, high = stated.free.get(name, (value * _SPAN[0], value * _SPAN[1]))
+    low, high = range_ or (value * _SPAN[0], value * _SPAN[1])
     if name in ADDED:
         low, high = (moved(name, value, steps) for steps in (-_STEPS, _STEPS))
     return QuantityAxis(parameter=name, start=low, stop=high, count=_COUNT)

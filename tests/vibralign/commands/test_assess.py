@@ -104,6 +104,8 @@ def test_the_map_that_is_proposed_can_be_pasted(tmp_path, monkeypatch):
     stated = load_device(PEG, {"contact_stiffness": 3e5, "approach_speed": "sudden"})
     words = map_words(stated).split("`")[1]
     assert "--x amplitude '0.25 mm' '12 mm' --y press_force '2.5 N' '40 N'" in words
+    limited = replace(stated, limits={"stroke": 5e-3, "acceleration": 20.0 * 9.80665})
+    assert "--x amplitude '0.25 mm' '1.987 mm' " in map_words(limited)  # 20 g at 50 Hz
     monkeypatch.chdir(tmp_path)
     line = words.replace("--resolution 33", "--resolution 2 --horizon '1 ms'")
     assert cli.main(shlex.split(line)[1:]) == cli.DONE

@@ -3,6 +3,7 @@
 import math
 import re
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from model.runs.settings import Settings
 from model.sweeps import sweep
 from vibralign import Batch, align, load_device, simulate
 from vibralign.commands import main as cli
+from vibralign.commands.map import _safest
 from vibralign.device.paper import baseline
 
 PLANE = ["--x", "tilt_stiffness", "6", "20", "--y", "press_force", "1", "5"]
@@ -137,6 +139,22 @@ def test_an_interrupted_map_leaves_the_old_file(tmp_path, capsys, monkeypatch):
     assert "interrupted" in capsys.readouterr().err
     assert old.read_text() == "old"
     assert [path.name for path in tmp_path.iterdir()] == ["map.nc"]
+
+
+def test_the_safest_node_lies_within_the_reliable_area_and_the_limits():
+    """An area of 5 by 7 nodes, whose middle is its third row and fourth column."""
+    force, amplitude = np.arange(9) + 4.0, (np.arange(9) + 1.0) * 1e-4
+    reliable = np.zeros((9, 9), np.int8)
+    reliable[2:7, 1:8] = 1
+    axes = {"start_press_force": force, "start_amplitude": amplitude}
+    dataset = xr.Dataset({"reliable": ([*axes], reliable)}, axes)
+    stated = load_device(PEG)
+    assert _safest(dataset, None).startswith("--set press_force=8 --set amplitude=0.0004, ")
+    assert _safest(dataset, stated).startswith("--set 'press_force=8 N' --set 'amplitude=0.4 mm'")
+    limited = replace(stated, limits={"stroke": 0.61e-3})  # columns 1 and 2 are left
+    assert "amplitude=0.2 mm" in _safest(dataset, limited)
+    strict = replace(stated, limits={"acceleration": 9.0})  # 0.09 mm at 50 Hz
+    assert _safest(dataset, strict) == "none within the limits of the vibrator"
 
 
 def test_an_axis_may_begin_below_zero(tmp_path, capsys):

@@ -1,6 +1,7 @@
 """The device sheet: self-contained, the same bytes, with the numbers of its device."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -10,8 +11,10 @@ from model.runs.settings import Settings
 from vibralign.answers.assess import Assessment
 from vibralign.answers.leeways import Leeway
 from vibralign.commands import sheet
+from vibralign.commands.next_step import ranges_to_look
 from vibralign.device import load_device
 
+NAN = float("nan")
 PEG = Path(__file__).resolve().parents[2] / "square" / "devices" / "peg.yaml"
 VERDICT = ("reliable at the stated values; yield 100 % under the tolerances", True)
 LEEWAY = Leeway("misalignment", 0.6e-3, 0.2e-3, 0.7e-3, False, True, fails_above=0.71e-3)
@@ -53,6 +56,19 @@ def test_the_cross_stands_at_the_stated_point_in_the_units_of_the_axes(tmp_path,
     more = Leeway("amplitude", 1e-3, 0.9e-3, 4e-3, True, False, fails_below=0.89e-3)
     result = Assessment(32, 32, 2.0, 3.0, None, leeways=(LEEWAY, more))
     sheet.write_plot(tmp_path / "map.png", stated, result, Settings(horizon=40.0, tolerance=1e-6))
+    told = []
+    stuck = Assessment(32, 0, NAN, NAN, {"phase": 0.0}, nearest=())
+    settings = Settings(horizon=40.0, tolerance=1e-6)
+    bare = replace(stated, free={})
+    sheet.write_plot(tmp_path / "map.png", bare, stuck, settings, told.append)
+    assert told == [3 * 3 + 3 * 3 * 48 * 2]  # nodes, and starts at each, for two looks
+    look = ranges_to_look(bare)  # the plane that the sheet proposes to map
+    assert drawn[1].axes[0].get_xlabel() == "amplitude (mm)"
+    assert drawn[1].axes[0].get_ylabel() == "press_force (N)"
+    ends = [1e3 * each for each in look["amplitude"]]
+    low, high = drawn[1].axes[0].get_xlim()
+    assert low < ends[0] < ends[1] < high
+    assert ends[0] - low < 0.3 * (ends[1] - ends[0])
     axes = drawn[0].axes[0]
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("amplitude (mm)", "misalignment (mm)")
     [cross] = [line for line in axes.lines if line.get_marker() == "P"]
