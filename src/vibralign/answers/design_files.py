@@ -9,7 +9,7 @@ from model.sweeps.io import NO_YES
 from vibralign.answers.design import Design
 from vibralign.answers.yields import CONFIDENCE
 from vibralign.device import StatedDevice
-from vibralign.device.limits import OF_VIBRATOR
+from vibralign.device.limits import LIMITS
 from vibralign.device.stated import unit_of
 
 _NAMES = {
@@ -43,7 +43,7 @@ def design_dataset(stated: StatedDevice, design: Design) -> xr.Dataset:
         for name, (words, unit) in _NAMES.items()
     }
     variables["within"][2].update(NO_YES)
-    for name in (each for each in OF_VIBRATOR if each in design.limits):
+    for name in (each for each in LIMITS if each in design.limits):
         variables[name][2]["limit"] = design.limits[name]
     for name, values in tried.settings.items():
         attributes = {"long_name": f"setting: {name}", "units": unit_of(name)}

@@ -213,6 +213,12 @@ def _report(dataset: "xr.Dataset", stated: StatedDevice | None) -> list[str]:
         ("vibration", f"{100.0 * by_vibration:.3g} %: does not align without it"),
         ("sensitive", f"{100.0 * float(dataset['sensitive'].mean()):.3g} %: may end differently"),
     ]
+    meet = float((dataset["tau_align"] == 0.0).mean())
+    if stated is not None and stated.is_chamfered and meet:
+        words = (
+            "the chamfers meet, or it starts inside; whether the press slides it in, and how far, "
+        )
+        rows.append(("at once", f"{100.0 * meet:.3g} %: {words}is said by assess"))
     force = dataset["contact_force_max"].where(dataset["outcome"] == success)
     if force.notnull().any():
         least, most = float(force.min()), float(force.max())

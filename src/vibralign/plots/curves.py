@@ -17,8 +17,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from model.events.outcomes import Outcome
-from vibralign.answers.si import readable
-from vibralign.device.limits import OF_VIBRATOR
+from vibralign.answers.si import readable, si_words
+from vibralign.device.limits import LIMITS, OF_VIBRATOR
 from vibralign.plots import style
 from vibralign.plots.style import Bools, Floats
 
@@ -203,15 +203,19 @@ def draw_settings(dataset: xr.Dataset, why: str = "") -> Figure:
     x, y = readable(dataset)[names[0]], readable(dataset)[names[1] if names[1:] else "margin"]
     all_in, best = dataset["share"].values == 1.0, int(dataset.attrs["recommended"])
     kept, over = dataset["within"].values == 1, np.zeros_like(all_in)
-    for each in (dataset[name] for name in OF_VIBRATOR if name in dataset):
-        over |= each.values > each.attrs.get("limit", np.inf)
+    limits = {n: dataset[n].attrs["limit"] for n in LIMITS if "limit" in dataset.get(n, x).attrs}
+    beyond = {name: dataset[name].values > limit for name, limit in limits.items()}
+    for name in (each for each in OF_VIBRATOR if each in beyond):
+        over |= beyond[name]
+    exceeded = [name for name, each in beyond.items() if (each & all_in & ~kept).any()]
+    exceeds = f"goes in, exceeds a limit: {', '.join(exceeded)}"
     with style.context():
         figure = style.new_figure(height=10.0 * style.CENTIMETRE)
         axes = figure.subplots()
         for chosen, mark, colour, words in (
             (~all_in & ~over, "x", style.GREY, "does not go in, or not with all tolerances"),
             (over, "x", style.ORANGE, "not tried: exceeds a limit of the vibrator"),
-            (all_in & ~kept, "o", style.ORANGE, "goes in, exceeds a limit"),
+            (all_in & ~kept, "o", style.ORANGE, exceeds),
             (kept, "o", style.BLUE, "goes in and keeps the limits, by a quick trial"),
         ):
             if chosen.any():
@@ -223,5 +227,7 @@ def draw_settings(dataset: xr.Dataset, why: str = "") -> Figure:
             set_label(style.label_of(name, each.attrs["units"]))
         if why:
             axes.set_title(fill(f"Nothing found, because {why}", 80))
-        axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=2)
+        words = ", ".join(f"{n} {si_words(v, LIMITS[n][1])}" for n, v in limits.items())
+        title = f"limits: {words}" if limits else None
+        axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=2, title=title)
         return figure
