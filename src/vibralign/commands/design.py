@@ -1,6 +1,7 @@
 """``vibralign design``: choose the free quantities of a device within its limits."""
 
 import argparse
+import math
 import os
 import sys
 import time
@@ -128,7 +129,11 @@ def _design(arguments: argparse.Namespace) -> int:
 
 
 def _forecast(trials: "Trials", generations: int, population: int) -> str:
-    """Return how long a search takes at least and at most, by the time of a few settings."""
+    """Return how long a search and the changes take, by the time of a few settings.
+
+    Between the least and the most, the geometric mean is usual for a search, and the changes take
+    as long again: within a factor of two where measured (docs/measurements.md).
+    """
     from vibralign.answers.design_trials import Runs  # noqa: PLC0415  (as in _design)
 
     few = replace(trials, runs=Runs())
@@ -142,12 +147,12 @@ def _forecast(trials: "Trials", generations: int, population: int) -> str:
     if few.runs.taken == before:
         return f"at most {most:,} runs; the first settings need none, by the limits of the vibrator"
     rate = max((few.runs.taken - before) / seconds, 1.0)
-    least, minutes = round(seconds * (generations + 1) / 60.0), round(most / rate / 60.0)
-    words = f"{max(least, 1)} to {minutes} minutes" if minutes > 1 else "a minute at most"
+    least, minutes = seconds * (generations + 1) / 60.0, most / rate / 60.0
+    usual = round(min(2.0 * math.sqrt(least * minutes), minutes))
+    words = f"about {usual} minutes" if usual > 1 else "about a minute"
     return (
-        f"{words}: if settings fail as soon as the first ones, or if all go in ({most:,} runs at "
-        f"{rate:,.0f} a second); fewer with smaller --population, --generations and --devices, or "
-        "with a stated base"
+        f"{words}, {round(minutes)} if all settings go in ({most:,} runs at {rate:,.0f} a second); "
+        "fewer with smaller --population, --generations and --devices, or with a stated base"
     )
 
 

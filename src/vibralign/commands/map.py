@@ -15,7 +15,6 @@ from model.physics.parameters import PARAMETER_NAMES, check_name
 from model.physics.quantities import FORCE
 from model.sweeps.axes import Axis
 from model.sweeps.settings import RunSettings
-from model.sweeps.sweep import START
 from vibralign.answers.assumptions import (
     as_attribute,
     assumptions,
@@ -184,6 +183,8 @@ def _axis(
 def _safest(dataset: "xr.Dataset", stated: StatedDevice | None) -> str:
     """Return the node farthest inside the reliable area of the map, as options to paste."""
     from scipy.ndimage import distance_transform_edt  # noqa: PLC0415  (slow)
+
+    from model.sweeps.sweep import START  # noqa: PLC0415  (as in _map)
 
     good = dataset["reliable"] == 1
     values = {str(name).removeprefix(START): good[name] for name in good.dims}

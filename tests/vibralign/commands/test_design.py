@@ -231,7 +231,8 @@ def test_a_search_says_how_long_it_takes_at_least_and_at_most(monkeypatch):
     now = iter([0.0, 15.0] * 2)  # 15 s for a generation of 16 settings
     monkeypatch.setattr(design.time, "perf_counter", lambda: next(now))
     # 11 such, 2.75 minutes; or 176,000 runs at 16 * 40 / 15 a second, 68.75 minutes
-    words = "3 to 69 minutes: if settings fail as soon as the first ones, or if all go in (176,000 "
+    # 2 √(2.75 · 68.75) = 27.5
+    words = "about 28 minutes, 69 if all settings go in (176,000 runs at 43 a second); "
     assert design._forecast(_Tried(40), 10, 16).startswith(words)
     assert design._forecast(_Tried(0), 10, 16).startswith(
         "at most 176,000 runs; the first settings"

@@ -41,7 +41,7 @@ def test_a_map_is_written_and_drawn_for_any_device(tmp_path, capsys):
         "shape", "start", "touch-down", "goal", "base", "horizon", "precision",
     }  # fmt: skip
     assert {line.split()[0] for line in lines.splitlines()} == {
-        "goes", "reliable", "vibration", "sensitive", "largest",
+        "goes", "reliable", "safest", "vibration", "sensitive", "largest",
     }  # fmt: skip
     with xr.open_dataset(tmp_path / "map.nc") as stored:
         assert {"tau_align", "unvibrated", "start_outcome", "reliable", "margin"} <= set(stored)
