@@ -4,7 +4,6 @@ import argparse
 import os
 from collections.abc import Sequence
 from dataclasses import asdict, replace
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -50,8 +49,6 @@ if TYPE_CHECKING:
     from vibralign.answers.verdicts import Verdict
     from vibralign.answers.yields import FailingDevice, Yield
     from vibralign.device import StatedDevice
-
-_OF_MAP = "map of what goes in; fewer if approach, base and gripper_tilt are stated"
 
 
 def add(commands: Any) -> None:
@@ -179,13 +176,14 @@ def _assess(arguments: argparse.Namespace) -> int:
         assert given.stated is not None  # noqa: S101  (``_check_paths``)
         with line, writing():
             line.begin("map of what goes in")
-            tell = partial(line.forecast, words=_OF_MAP)
+            words = "map of what goes in; fewer if approach, base and gripper_tilt are stated"
+            line.forecast(sheet.runs_of_map(given.stated), words)
             if arguments.plot is not None:
-                sheet.write_plot(arguments.plot, given.stated, result, settings, tell)
+                sheet.write_plot(arguments.plot, given.stated, result, settings)
             if arguments.sheet is not None:
                 titled = {title: lines for title, lines in groups.items() if lines}
                 path, head = arguments.sheet, (verdict, good)
-                sheet.write_sheet(path, given.stated, head, titled, result, settings, tell)
+                sheet.write_sheet(path, given.stated, head, titled, result, settings)
     return int(not met)
 
 

@@ -1,9 +1,8 @@
 """Files that ``vibralign assess`` writes of a device: its page (--sheet) and its map (--plot)."""
 
-import math
 import os
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -28,8 +27,6 @@ from vibralign.doubts import DoubtWarning
 from vibralign.plots.device_sheet import device_map, render
 from vibralign.plots.style import write
 
-Tell = Callable[[int], None]
-
 _AXES = ("tilt_stiffness", "press_force")  # of the map, where no two quantities decide
 _SPAN = 0.25, 2.5  # ends of an axis over the value, where the file states no range
 _STEPS = 10  # of a scan, to either side, where a value may be 0
@@ -44,41 +41,34 @@ def write_sheet(
     groups: Mapping[str, Sequence[str]],
     result: Assessment,
     settings: Settings,
-    tell: Tell = lambda _: None,
 ) -> None:
     """Write the page of an assessed device: what ``assess`` prints, a map and a run.
 
     ``verdict`` is the headline, and whether it is good; ``groups`` are printed lines by title.
-    The map is over what the file leaves free, then over what decides. ``tell`` is called with the
-    largest number of its runs before they begin.
+    The map is over what the file leaves free, then over what decides.
     """
     settings = replace(settings, tolerance=max(settings.tolerance, _TOLERANCE))
     lowered = stated.lowered(result.worst)
-    dataset = _map(stated, [*stated.free, *deciding(result)], result, settings, tell)
+    dataset = _map(stated, [*stated.free, *deciding(result)], result, settings)
     made_by = f"{source_words(stated)}; vibralign {version()}"
     course = simulate_once(stated.parameters, settings)
     write_text(render(lowered, verdict, groups, course, dataset, made_by), path)
 
 
-def write_plot(
-    path: Path,
-    stated: StatedDevice,
-    result: Assessment,
-    settings: Settings,
-    tell: Tell = lambda _: None,
-) -> None:
+def write_plot(path: Path, stated: StatedDevice, result: Assessment, settings: Settings) -> None:
     """Draw what goes in over the two quantities that decide, with the stated point."""
     settings = replace(settings, tolerance=max(settings.tolerance, _TOLERANCE))
     lowered = stated.lowered(result.worst)
-    write(device_map(lowered, _map(stated, deciding(result), result, settings, tell)), path)
+    write(device_map(lowered, _map(stated, deciding(result), result, settings)), path)
+
+
+def runs_of_map(stated: StatedDevice) -> int:
+    """Return about how many runs a map takes at most: of its nodes, and in all cases of a few."""
+    return _COUNT**2 + (_COUNT // 2 + 1) ** 2 * len(cases_of(stated, Ensemble()))
 
 
 def _map(
-    stated: StatedDevice,
-    names: Sequence[str],
-    result: Assessment,
-    settings: Settings,
-    tell: Tell,
+    stated: StatedDevice, names: Sequence[str], result: Assessment, settings: Settings
 ) -> xr.Dataset:
     """Return a map over the first two of these quantities, without doubts of its far ends.
 
@@ -95,9 +85,6 @@ def _map(
         lowered = stated.lowered(result.worst)
         sweep = map_of(lowered, RunSettings.of(settings), (x, y), ensemble)
     title = f"What goes in, over {x.parameter} and {y.parameter}"
-    assert sweep.starts is not None  # noqa: S101 - no axis is one of the starts
-    in_all = math.prod(sweep.starts.shape[:2]) * len(cases_of(stated, ensemble, varied=sweep.swept))
-    tell(math.prod(sweep.shape) + math.prod(sweep.starts.shape) + in_all)
     found = merge(sweep, title, [run(sweep, cores=cores)])
     return in_every_case(found, stated, settings, ensemble, cores)
 

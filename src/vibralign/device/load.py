@@ -1,7 +1,7 @@
 """Reading of device files: YAML with a line NAME: VALUE for each quantity."""
 
 import contextlib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, get_args
 
@@ -38,7 +38,7 @@ def load_device(
         DeviceError: the file cannot be read, is not YAML, breaks a rule, or makes no sense.
         NoNeedError: it is a valid device, which needs no alignment, unless ``needless``.
     """
-    path, changes = Path(path), {} if changes is None else changes
+    path, changes, missing = Path(path), {} if changes is None else changes, ""
     replaced = replaced_by(changes) | ({SPEED} if changes.get(SPEED) == SUDDEN else set())
     mapping = {name: value for name, value in _mapping(path).items() if name not in replaced}
     try:
@@ -65,33 +65,20 @@ def load_device(
         )
         if mapping.get("shape") is not None:
             check_name(str(mapping["shape"]), get_args(Shape), "shape")
-        with _adding(stated.needed_in_part if ranges else ""):
-            _check(stated)
+        missing = f"; {stated.needed_in_part}" if ranges and stated.needed_in_part else ""
+        # Refuses unknown and missing quantities, before anything is computed from them.
+        known = {n: v for n, v in stated.quantities.items() if n not in BASE}
+        device(as_parameters(with_parameters(known)))
+        with contextlib.suppress(NoNeedError):
+            stated.admitted({})
+        _check_tolerances(stated)
+        _check_ranges("free", stated.free, stated)
+        _check_ranges("unknown", stated.unknown, stated)
     except ValueError as error:
-        raise DeviceError(f"{path}: {error}") from None
+        raise DeviceError(f"{path}: {error}{missing}") from None
     if stated.needless and not needless:
         raise NoNeedError(f"{path}: {stated.needless}")
     return stated
-
-
-@contextlib.contextmanager
-def _adding(more: str) -> Iterator[None]:
-    """Add what else will be refused to the message of a refusal."""
-    try:
-        yield
-    except ValueError as error:
-        raise ValueError(f"{error}; {more}" if more else str(error)) from None
-
-
-def _check(stated: StatedDevice) -> None:
-    """Refuse unknown and missing quantities, before anything is computed from them."""
-    known = {n: v for n, v in stated.quantities.items() if n not in BASE}
-    device(as_parameters(with_parameters(known)))
-    with contextlib.suppress(NoNeedError):
-        stated.admitted({})
-    _check_tolerances(stated)
-    _check_ranges("free", stated.free, stated)
-    _check_ranges("unknown", stated.unknown, stated)
 
 
 class _Loader(files.Loader):  # type: ignore[misc]

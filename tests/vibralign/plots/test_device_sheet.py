@@ -56,12 +56,11 @@ def test_the_cross_stands_at_the_stated_point_in_the_units_of_the_axes(tmp_path,
     more = Leeway("amplitude", 1e-3, 0.9e-3, 4e-3, True, False, fails_below=0.89e-3)
     result = Assessment(32, 32, 2.0, 3.0, None, leeways=(LEEWAY, more))
     sheet.write_plot(tmp_path / "map.png", stated, result, Settings(horizon=40.0, tolerance=1e-6))
-    told = []
     stuck = Assessment(32, 0, NAN, NAN, {"phase": 0.0}, nearest=())
     settings = Settings(horizon=40.0, tolerance=1e-6)
     bare = replace(stated, free={})
-    sheet.write_plot(tmp_path / "map.png", bare, stuck, settings, told.append)
-    assert told == [3 * 3 + 3 * 3 * 48 * 2]  # nodes, and starts at each, for two looks
+    sheet.write_plot(tmp_path / "map.png", bare, stuck, settings)
+    assert sheet.runs_of_map(bare) == 3 * 3 + 2 * 2 * 48  # nodes, and all starts at every second
     look = ranges_to_look(bare)  # the plane that the sheet proposes to map
     assert drawn[1].axes[0].get_xlabel() == "amplitude (mm)"
     assert drawn[1].axes[0].get_ylabel() == "press_force (N)"
