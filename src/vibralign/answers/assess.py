@@ -38,7 +38,6 @@ from vibralign.answers.leeways import (
     Leeway,
     Nearest,
     a_step_inside,
-    confirmed,
     leeways,
     nearest,
     together,
@@ -206,9 +205,18 @@ class _Asked:
     settings: Settings
     cores: int
     limits: Mapping[str, float] = field(default_factory=dict)
+    also: "_Asked | None" = None  # what they have to hold in as well
 
     def reliable(self, values: Values) -> NDArray[np.bool_]:
-        return are_reliable(self.device, values, self.cases, self.settings, self.cores, self.limits)
+        found = are_reliable(
+            self.device, values, self.cases, self.settings, self.cores, self.limits
+        )
+        if self.also is not None and found.any():
+            found[found] = self.also.reliable({n: column[found] for n, column in values.items()})
+        return found
+
+    def within(self, limits: Mapping[str, float]) -> "_Asked":
+        return replace(self, limits=limits, also=self.also and self.also.within(limits))
 
     def roughly(self, values: Values) -> NDArray[np.bool_]:
         loose = replace(self.settings, tolerance=STATISTICAL_TOLERANCE)
@@ -295,37 +303,28 @@ def assess(
     if cause is None:
         quicker = asked.roughly if own.tolerance < STATISTICAL_TOLERANCE else None
         return replace(result, leeways=leeways(lowered, asked.reliable, asked.late, held, quicker))
-    whole = replace(asked, device=device, cases=cases) if result.worst is not None else asked
+    if result.worst is not None:  # of the other approaches, too
+        asked = replace(asked, also=replace(asked, device=device, cases=cases))
     limits, beyond = _limits_of(lowered), tuple[str, ...]()
-    kept, kept_in_all = (replace(each, limits=limits) for each in (asked, whole))
-    near, change = _advice(cause, kept, kept_in_all, held)
+    near, change = _advice(cause, asked.within(limits), held)
     if limits and not change:
-        near, change = _advice(cause, asked, whole, held)
+        near, change = _advice(cause, asked, held)
         of_change = {name: np.array([value]) for name, value in change.items()}
         beyond = tuple(
             name
             for name, limit in limits.items()
-            if change and not replace(whole, limits={name: limit}).reliable(of_change)[0]
+            if change and not asked.within({name: limit}).reliable(of_change)[0]
         )
     return replace(result, nearest=near, change=change, change_exceeds=beyond)
 
 
 def _advice(
-    cause: Cause, asked: _Asked, whole: _Asked, held: tuple[str, ...]
+    cause: Cause, asked: _Asked, held: tuple[str, ...]
 ) -> tuple[tuple[Nearest, ...], Mapping[str, float]]:
-    """Return the nearest reliable values, and the first change that makes a device reliable.
-
-    They are sought in the cases of ``asked``, of one approach, and hold in those of ``whole``.
-    """
+    """Return the nearest reliable values, and the first change that makes a device reliable."""
     near = nearest(asked.device, asked.reliable, held)
-    if whole.device is not asked.device:
-        near = confirmed(asked.device, near, whole.reliable, held)
-    change = a_step_inside(asked.device, whole.reliable, first_change(cause, near))
-    if not change:
-        change = together(asked.device, asked.reliable, _PAIRED)
-        of_change = {name: np.array([value]) for name, value in change.items()}
-        change = change if change and whole.reliable(of_change)[0] else {}
-    return near, change
+    change = a_step_inside(asked.device, asked.reliable, first_change(cause, near))
+    return near, change or together(asked.device, asked.reliable, _PAIRED)
 
 
 def _limits_of(device: Parameters | StatedDevice) -> dict[str, float]:

@@ -175,23 +175,6 @@ def nearest(device: Stated, is_reliable: IsReliable, held: Names = ()) -> tuple[
     )
 
 
-def confirmed(
-    device: Stated, near: Sequence[Nearest], is_reliable: IsReliable, held: Names = ()
-) -> tuple[Nearest, ...]:
-    """Return those of the nearest values that ``is_reliable`` finds reliable, too."""
-    ends = [(e.parameter, v) for e in near for v in (e.below, e.above) if v is not None]
-    if not ends:
-        return ()
-    holds = is_reliable(_swept(_own(device, held), ends)).tolist()
-    good = {end for end, held_too in zip(ends, holds, strict=True) if held_too}
-    found = (
-        Nearest(e.parameter, e.value,
-                *(v if (e.parameter, v) in good else None for v in (e.below, e.above)))
-        for e in near
-    )  # fmt: skip
-    return tuple(each for each in found if (each.below, each.above) != (None, None))
-
-
 def together(device: Stated, is_reliable: IsReliable, names: Names) -> dict[str, float]:
     """Return the nearest reliable values of two of these parameters; empty if none is found.
 
