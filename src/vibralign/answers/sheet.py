@@ -71,6 +71,7 @@ def sheet_rows(
     rows.append(("vibration", _vibration(result)))
     label = "reliable with" if result.failing_start is not None else "fails from"
     found = "; ".join(_borders(result)) or "nothing that was tried, within a factor of four"
+    found += "; each exceeds a limit" if result.change_exceeds else ""
     rows += [(label, found)] if result.leeways or result.nearest else []
     rows += more
     if stated is not None:
