@@ -1,4 +1,4 @@
-"""Kernels on the events of a table: samples, single levels, guards, resets and transitions.
+"""Kernels on the events of a table: levels, guards, resets and transitions.
 
 A loop over the events of a table, which is known when a kernel is compiled, becomes a line of code
 for each event, in which the event's own functions are called.
@@ -14,12 +14,11 @@ from model.events import sources
 from model.events.event_functions import NEVER, largest
 from model.events.round_parts import RIGHT_TIPS, with_tips
 from model.events.scenes import Declared, Scene
-from model.events.table import GROUPS, OF_LENGTH, PLACES_OF_CONTACT, Event, Source, Table
+from model.events.table import OF_LENGTH, Event, Source, Table
 from model.physics.modes import START
 from model.physics.parameters import Constants, RoundConstants
 
 MOST_EVENTS = 44  # capacity of records and histories
-MOST_SAMPLES = 2 * MOST_EVENTS
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,11 +43,7 @@ class Events:
     Attributes:
         all: every event, in the order of the table.
         combined: count of the events with several quantities; these come first.
-        by_source: for each source, its events.
         in_order: neighbours in the table that share a source.
-        forces: for each of ``GROUPS``, numbers of the events whose levels are normal forces in it.
-        loads: pairs (number, place): events whose levels are normal forces, and the index of their
-            place in ``PLACES_OF_CONTACT``.
         corners_inside: number of "corners_inside"; face_end: of "face_end".
         inserts: True if runs continue after alignment until the part is inserted.
         constants: class of the constants: ``RoundConstants`` for a round part.
@@ -56,10 +51,7 @@ class Events:
 
     all: tuple[Numbered, ...]
     combined: int
-    by_source: tuple[tuple[Source, tuple[Numbered, ...]], ...]
     in_order: tuple[tuple[Source, tuple[Numbered, ...]], ...]
-    forces: dict[str, tuple[int, ...]]
-    loads: tuple[tuple[int, int], ...]
     corners_inside: int
     face_end: int
     inserts: bool
@@ -122,19 +114,11 @@ def events_of(table: Table) -> Events:
     """Return the events of a table as kernels take them."""
     combined, names = combined_count(table), [each.name for each in table]
     numbered = tuple(Numbered(k, event, k < combined) for k, event in enumerate(table))
-    loads = [(each.number, each.event.force_on) for each in numbered if each.event.force_on]
     neighbours = groupby(numbered, key=lambda each: each.event.source)
-    sources = dict.fromkeys(each.source for each in table)
     return Events(
         all=numbered,
         combined=combined,
-        by_source=tuple(
-            (source, tuple(each for each in numbered if each.event.source == source))
-            for source in sources
-        ),
         in_order=tuple((source, tuple(members)) for source, members in neighbours),
-        forces={group: tuple(n for n, (here, _) in loads if here == group) for group in GROUPS},
-        loads=tuple((n, PLACES_OF_CONTACT.index(place)) for n, (_, place) in loads),
         corners_inside=names.index("corners_inside"),
         face_end=names.index("face_end"),
         inserts="inserted" in names,
@@ -148,30 +132,7 @@ def in_kernels(scene: Scene, is_round: bool = False) -> SceneEvents:
     return SceneEvents(scene.declared, events_of(table))
 
 
-# ------------------------------------------------------------------------------------------ samples
-
-
-@separate_kernel
-def sample_into(events, time, q, p, mode, out):
-    """Write the levels of all events, NEVER for those that do not apply.
-
-    After them comes for each event with several quantities the index of the largest.
-    """
-    for source, members in events.by_source:
-        for each in members:
-            out[each.number] = NEVER
-            if each.is_combined:
-                out[events.count + each.number] = NEVER
-        if source.exists(p, mode):
-            at = source.of(time, q, p, mode)
-            for each in members:
-                for applies, function in each.event.function:
-                    if applies(p, mode):
-                        found = function(at, p, mode)
-                        if each.is_combined:
-                            out[each.number], out[events.count + each.number] = largest(found)
-                        else:
-                            out[each.number] = found
+# ------------------------------------------------------------------------------------------- levels
 
 
 @inlined_kernel
@@ -194,25 +155,6 @@ def level(events, which, time, q, p, mode):
                 if which == each.number:
                     return _level_at(each, at, p, mode)
     return NEVER
-
-
-@kernel
-def quantities(events, which, time, q, p, mode):
-    """Return the four quantities of an event with several."""
-    at, found = sources.places(time, q, p, mode), (NEVER, NEVER, NEVER, NEVER)
-    for each in events.all[: events.combined]:
-        if which == each.number:
-            found = each.event.function[0][1](at, p, mode)
-    return found
-
-
-@inlined_kernel
-def force_on(events, group, sample):
-    """Return the sum of the normal forces in one of ``GROUPS``, from a sample; may be negative."""
-    force = 0.0
-    for k in events.forces[group]:
-        force += sample[k] if sample[k] != NEVER else 0.0
-    return force
 
 
 @kernel

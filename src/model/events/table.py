@@ -55,7 +55,7 @@ class Event:
         kind: how the level depends on the state: OF_LENGTH (also for a velocity), OF_LOAD or
             OF_FRICTION.
         force_on: if the level is a normal force, its group and place, of ``GROUPS`` and
-            ``PLACES_OF_CONTACT``.
+            ``PLACES_OF_CONTACT``. Nothing reads it: it can go when ``make null`` is next due.
         start: level below which a start is impossible.
     """
 
