@@ -52,10 +52,6 @@ class Scene:
             "pickled: make the scene in each process"
         )
 
-    def __dask_tokenize__(self) -> tuple[Any, ...]:
-        """Return what dask's keys are made of: those of the table's functions would differ."""
-        return (type(self).__name__, *self.__reduce__()[1])
-
     @property
     def declared(self) -> "Declared":
         """The declared contacts in the form that kernels take."""

@@ -31,7 +31,6 @@ from verification.independent.motion import Mode
 from verification.independent.round import RoundDevice
 
 STEP = 1e-5
-DIFFERENCE = 3e-8  # h²/6 times a third derivative of order 100, plus rounding over h
 EXACT = 1e-12
 SIDES = pytest.mark.parametrize("side", [RIGHT_EDGE, LEFT_EDGE], ids=["right", "left"])
 
