@@ -242,7 +242,8 @@ def _crossing_between(count, left, end, series):
                 if theta != NO_EVENT:
                     return theta
             if not (may_cross and is_monotonic):
-                least = _LEAVING if at_zero and is_monotonic else finest
+                stays_at_zero = count == 1 and min(before[0], after[0]) - most[0] > -REST_SLIP
+                least = _LEAVING if at_zero and (is_monotonic or stays_at_zero) else finest
                 if width > least:
                     right = left + 0.5 * width
                     continue

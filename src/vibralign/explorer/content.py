@@ -145,8 +145,8 @@ def page_model(
     inserts = "inserted" in interface["events"]  # as the page's engines do, whatever the settings
     return {
         "title": title,
-        "footer": f"Made by vibralign. Tolerance {settings.tolerance:g}, one run without an "
-        "estimate of its error; vibralign simulate gives that."
+        "footer": f"Made by vibralign. Tolerance {settings.tolerance:g}, in maps 1e-08 or that, if "
+        "it is larger. One run without an estimate of its error; vibralign simulate gives that."
         + (f" Assumed as the page opens: {said}." if said else ""),
         "origin": _NO_ORIGIN,
         "name": "",

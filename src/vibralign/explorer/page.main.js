@@ -6,6 +6,7 @@ const MODEL = JSON.parse(
   (_, value) => (value === null ? NaN : value),
 );
 const CELLS = 65, SLOW_MAP = 150, SLOW_OTHER = 80, MAP_EVALUATIONS = 1e6;
+const MAP_TOLERANCE = 1e-8; // colours differ by two per cent; at a run's own 1e-10 a map takes half as long again
 
 /** @param {string} id @returns {any} */
 const element = (id) => document.getElementById(id);
@@ -180,7 +181,8 @@ function computeMap() {
   const values = valuesOf(state, state.vibration), limit = Math.min(MAP_EVALUATIONS, MODEL.control.max_evaluations);
   mapper.compute(emptyMap(state.x, state.y, span("x"), span("y"), CELLS), (changes) => {
     const here = { ...values, ...changes };
-    const control = { ...controlOf(here), alignment_only: isChamfered(here) ? 0 : 1, max_evaluations: limit };
+    const own = controlOf(here), tolerance = Math.max(own.tolerance, MAP_TOLERANCE);
+    const control = { ...own, tolerance, alignment_only: isChamfered(here) ? 0 : 1, max_evaluations: limit };
     return { set: setOf(here), control, judge: (/** @type {Record<string, number>} */ results) => judged(results, here) };
   });
 }
