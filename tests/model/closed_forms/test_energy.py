@@ -8,6 +8,7 @@ energy stored there. Integrals over a step are by Gauss's rule, on its series.
 """
 
 from dataclasses import replace
+from math import isnan
 from typing import NamedTuple
 
 import numpy as np
@@ -19,6 +20,7 @@ from model.engine import scheduling
 from model.engine.event_search import state_at
 from model.engine.lane_events import kind_of_mode
 from model.engine.record import AT, STATE, constants_in, mode_of, state_in
+from model.engine.series_kernels import missing_series
 from model.engine.workspace import STEP_LENGTH
 from model.events.outcomes import Reason
 from model.events.transitions import CONTINUES
@@ -95,14 +97,12 @@ def powers(time, q, p, mode):
     return work, lost
 
 
-@compiled
 @kernel
-def weigh(scene, lanes, control, memory, judged, nodes, weights, sums):
-    """Make a step, and add its work, dissipation, loss and exchange to ``sums``."""
+def weigh_step(scene, lanes, kind, control, memory, judged, nodes, weights, sums):
     w, runs = memory.w, memory.runs
     p, mode, time = constants_in(scene.events, judged), mode_of(runs, 0), runs[0, AT.time]
     memory.together[0] = 0
-    scheduling.step_together(lanes, kind_of_mode(lanes, mode), 1, control, memory)
+    scheduling.step_together(lanes, kind, 1, control, memory)
     scheduling.pass_step(scene, lanes, control, memory, 0, 0)
     whole, length = w[STEP_LENGTH, 0], runs[0, AT.time] - time
     for node in range(len(nodes)):
@@ -115,6 +115,22 @@ def weigh(scene, lanes, control, memory, judged, nodes, weights, sums):
         sums[3] = min(sums[3], losing)
     q = state_in(runs, STATE, 0)
     sums[4] += stored(q, p, mode) - stored(q, p, mode_of(runs, 0))
+
+
+@compiled
+@kernel
+def weigh(scene, lanes, control, memory, judged, nodes, weights, sums):
+    """Make steps up to alignment or the end, and add their work, dissipation, loss and exchange.
+
+    Return the number of a series that is to be loaded before the next step, or -1.
+    """
+    while memory.runs[0, AT.outcome] == CONTINUES and isnan(memory.runs[0, AT.tau_align]):
+        kind = kind_of_mode(lanes, mode_of(memory.runs, 0))
+        missing = missing_series(lanes, kind, False, memory.addresses)
+        if missing >= 0:
+            return missing
+        weigh_step(scene, lanes, kind, control, memory, judged, nodes, weights, sums)
+    return -1
 
 
 @compiled
@@ -135,9 +151,8 @@ def balance(
     (record,), sums = run.memory.runs, np.zeros(5)
     start = stored_in(scene, run.memory, judged_row)
     given = scene, run.lanes, control, run.memory, judged_row, NODES, WEIGHTS, sums
-    while record[AT.outcome] == CONTINUES and np.isnan(record[AT.tau_align]):
-        run.load()
-        weigh(*given)
+    while (missing := weigh(*given)) >= 0:
+        run.lanes.series.load(missing)
     gained = stored_in(scene, run.memory, judged_row) - start
     done, taken, exchanged, least, lost = sums.tolist()
     return Balance(
