@@ -167,7 +167,8 @@ def test_a_figure_that_never_aligns_misses_every_limit() -> None:
     assert missed(limits(), "fig06", nothing) > 7.0
 
 
-def test_the_same_seed_ends_at_the_same_set_within_its_bounds(space) -> None:
+def test_the_same_seed_ends_at_the_same_set_within_its_bounds(space, monkeypatch) -> None:
+    monkeypatch.setattr("study.identification.search._OF_ONE_RUN", 8)  # a search tries a thousand
     effort = Effort.model_validate(EFFORT)
     found, again = search(space, effort), search(space, effort)
     np.testing.assert_array_equal(found.point, again.point)
