@@ -63,7 +63,7 @@ from model.physics.contacts import (
     edge_on_side,
     support_on_face,
 )
-from model.physics.modes import CLOSED, OPEN, RELEASED, START, STICKING, Mode
+from model.physics.modes import CLOSED, OPEN, RELEASED, START, Mode
 from model.physics.motion import motion_at
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE, State
 from model.physics.parameters import Constants
@@ -108,8 +108,6 @@ def kind_of(support: int, side: int) -> int:
 
 
 PLACES = [name for name in EventQuantities._fields if name in CornerPositions._fields]
-
-
 NAMES = Constants._fields[:LANE_CONSTANTS]
 PRESS_RATE, RAMP_END = 0.1, 3.0  # the press grows during every step
 
@@ -332,6 +330,9 @@ def test_the_series_of_the_insertion_scene_solve_the_equations_of_motion(shape, 
         right = [q.x_rate, q.y_rate, q.tilt_rate, at.x, at.y, at.tilt]
         rates = (orders * time ** (orders - 1)) @ series[1:, :6, lane]
         assert rates == pytest.approx(right, rel=1e-9, abs=1e-9)
+        places = [getattr(corner_positions(q, p), name) for name in PLACES]
+        at_places = found[[workspace.LINE[name] for name in PLACES]]
+        assert at_places == pytest.approx(places, rel=1e-11, abs=1e-11)
         edges = [edge_on_side(each, q, p) for each in (RIGHT_EDGE, LEFT_EDGE)]
         corners = [corner_on_wall(each, q, p) for each in (RIGHT_EDGE, LEFT_EDGE)]
         if not mode.in_slot:
@@ -351,32 +352,6 @@ def test_the_series_of_the_insertion_scene_solve_the_equations_of_motion(shape, 
             slips[1] = at.side_friction
         frictions = [workspace.LINE[f"{each}_friction"] for each in ("support", "side")]
         assert found[frictions] == pytest.approx(slips, rel=1e-9)
-
-
-@each_kind
-def test_event_quantities_equal_the_functions(shape: str, support: int, side: int) -> None:
-    step = Step(support, side, 0.1, shape=shape)
-    for lane in range(WIDTH):
-        for time in (0.0, 1e-3):
-            values = step.at(time, lane)
-            q, p, mode = State(*values[:6].tolist()), step.constants(lane), step.mode(lane)
-            places = [getattr(corner_positions(q, p), name) for name in PLACES]
-            at_places = values[[workspace.LINE[name] for name in PLACES]]
-            assert at_places == pytest.approx(places, rel=1e-11, abs=1e-11)
-            at = motion(0.3 + time, q, p, mode)
-            face, beside = support_on_face(RIGHT_EDGE, q, p), edge_on_side(LEFT_EDGE, q, p)
-            sticks = mode.support_slip == STICKING and mode.face == CLOSED
-            side_sticks = mode.side_slip == STICKING and mode.side == CLOSED
-            assert values[CONTACTS_AT : CONTACTS_AT + 4] == pytest.approx(
-                [
-                    contact_load(face.depth, face.closing_rate, q, p),
-                    at.support_friction if sticks else face.slip,
-                    contact_load(beside.depth, beside.closing_rate, q, p),
-                    at.side_friction if side_sticks else beside.slip,
-                ],
-                rel=1e-9,
-                abs=1e-9,
-            )
 
 
 SAMPLED_LINES = [TILT, *range(6, SINES - 2)]  # lines that are sampled at every node
