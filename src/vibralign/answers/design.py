@@ -6,8 +6,7 @@ go in from every start. Its *margin* is the distance, in tolerances, of the near
 on ``LINES`` lines from the setting, at most ``FARTHEST``. The best setting has the largest yield,
 keeps the limits, has the largest margin in steps of ``MARGIN_STEP``, and is then the fastest.
 Differential evolution (scipy) seeks it by quick trials. The best settings are then checked as
-``assess`` does, until one holds. The search is seeded. What limits a setting is changed, and tried
-(design_changes.py).
+``assess`` does, until one holds. The search is seeded.
 """
 
 import math
@@ -218,7 +217,7 @@ def design(
         ValueError: nothing is free, or ``devices`` is no power of two.
     """
     trials = trials_of(device, settings, ensemble, cores, seed, devices)
-    return search(trials, generations, population)[0]
+    return search(trials, generations, population)
 
 
 def trials_of(
@@ -266,15 +265,15 @@ def search(
     population: int,
     tell: Callable[[str], None] = lambda _: None,
     known: Known | None = None,
-) -> tuple[Design, Known]:
-    """Return the best setting of a device, and the results of all quick trials.
+) -> Design:
+    """Return the best setting of a device.
 
     Args:
         trials: trials of its settings; their seed is also that of the optimiser.
         generations: number of generations of differential evolution.
         population: number of settings in a generation.
         tell: called with the step under way and the number of steps, in words.
-        known: filled with the results, as they come: an interrupt keeps those so far.
+        known: filled with the results of quick trials: an interrupt keeps those so far.
     """
     free, limits = trials.stated.free, trials.stated.limits
     low, high = np.array(list(free.values())).T
@@ -306,20 +305,13 @@ def search(
         tol=0.0,
         callback=report,
     )
-    return checked(trials, known, tell=tell), known
+    return _checked(trials, known, tell)
 
 
-def checked(
-    trials: Trials,
-    known: Known,
-    rank: Callable[[Tried], Floats] | None = None,
-    most: int = CHECKS,
-    tell: Callable[[str], None] = lambda _: None,
-) -> Design:
+def _checked(trials: Trials, known: Known, tell: Callable[[str], None]) -> Design:
     """Check the best settings until one holds; return the design.
 
-    If none of ``most`` holds, the design is the checked setting that fails least. Of the settings
-    that hold, those with the least ``rank`` are best; the rank is the score by default.
+    If none of ``CHECKS`` holds, the design is the checked setting that fails least.
     """
     free, limits = trials.stated.free, trials.stated.limits
     keys, quick, checks = list(known), np.array(list(known.values())), dict[int, Check]()
@@ -329,14 +321,12 @@ def checked(
         design = Design(tried_of(keys, rows, free), 0, limits, checks, free, names)
         score, numbers = design.tried.score(limits), list(checks)
         open_ones = np.setdiff1d(np.flatnonzero(accepted), numbers)
-        if numbers and (score[numbers].min() < 0.0 or not open_ones.size or len(numbers) == most):
+        if numbers and (score[numbers].min() < 0.0 or not open_ones.size or len(numbers) == CHECKS):
             return replace(design, best=numbers[int(np.argmin(score[numbers]))])
-        expected = tried_of(keys, _expected(keys, quick, checks, free), free)
-        order = expected.score(limits)
-        order = order if rank is None else np.where(order < 0.0, rank(expected), np.inf)
+        order = tried_of(keys, _expected(keys, quick, checks, free), free).score(limits)
         among = open_ones if open_ones.size else np.arange(len(keys))
         best = int(among[np.argmin(order[among])])
-        tell(f"check {len(checks) + 1} of at most {most}")
+        tell(f"check {len(checks) + 1} of at most {CHECKS}")
         checks[best] = trials.check(replace(design, best=best).setting)
         rows[best] = checks[best].row
 

@@ -47,33 +47,6 @@ MEASURES = ("time", "contact_force", "tilt", "vibration", *OF_VIBRATOR)
 Ints = NDArray[np.int64]
 
 
-class SpentError(Exception):
-    """No further runs may be taken."""
-
-
-@dataclass
-class Runs:
-    """Count of the runs that trials take.
-
-    Attributes:
-        most: number of runs that may be taken.
-        taken: number of runs so far.
-    """
-
-    most: float = math.inf
-    taken: int = 0
-
-    def take(self, number: int) -> None:
-        """Count runs before they begin.
-
-        Raises:
-            SpentError: there would be more than ``most``; they are not counted.
-        """
-        if self.taken + number > self.most:
-            raise SpentError
-        self.taken += number
-
-
 Row = tuple[float, ...]
 """Results of a setting: share, margin, and ``MEASURES``."""
 
@@ -106,7 +79,6 @@ class Trials:
         cores: number of threads.
         seed: seed of the devices of the quick trial.
         devices: number of devices of a check, a power of two.
-        runs: count of the runs that are taken.
     """
 
     stated: StatedDevice
@@ -115,7 +87,6 @@ class Trials:
     cores: int = 1
     seed: int = 0
     devices: int = DEVICES
-    runs: Runs = field(default_factory=Runs, compare=False)
 
     def quick(self, points: Floats) -> list[Row]:
         """Return the results of settings, ``points`` in SI units of shape (n, free quantities)."""
@@ -153,10 +124,10 @@ class Trials:
         return [tuple(float(each) for each in row) for row in zip(*columns, strict=True)]
 
     def most_runs(self, settings: int) -> int:
-        """Return how many runs so many settings take at most, with a check and the changes."""
+        """Return how many runs so many settings take at most, with a check."""
         quarter = -(-len(self.starts) // QUARTERS)
         quick = settings * (1 + POINTS + 2 * LINES) * quarter
-        return 2 * (quick + self.devices * len(self.starts))
+        return quick + self.devices * len(self.starts)
 
     def _of_vibrator(self, points: Floats) -> dict[str, Floats]:
         """Return acceleration and stroke that settings need of the vibrator, shape (n,) each."""
@@ -174,7 +145,6 @@ class Trials:
         values = {name: np.full(self.devices, value) for name, value in setting.items()}
         values |= drawn(stated, self.devices)
         itself = {name: np.array([stated.quantities[name]]) for name in values}
-        self.runs.take(len(self.starts))
         starts = at_each_tilt(stated, self.starts)
         drive = self._of_vibrator(np.array([list(setting.values())]))
         of_vibrator = [float(each[0]) for each in drive.values()]
@@ -233,7 +203,6 @@ class Trials:
         return joined(parts, np.argsort(np.concatenate(rows)))
 
     def _run_from(self, stated: StatedDevice, values: Values, starts: Starts) -> DeviceResults:
-        self.runs.take(len(next(iter(values.values()))) * len(starts))
         return run_devices(stated, values, starts, self._statistical, self.cores)
 
     def _needs_vibration(self, values: Values, shape: tuple[int, int]) -> Floats:
@@ -243,7 +212,6 @@ class Trials:
         """
         if "vibration" not in self.stated.limits:
             return np.full(shape[0], np.nan)
-        self.runs.take(shape[0] * shape[1])
         needs = need_vibration(self.stated, values, self._statistical, self.cores)
         shares: Floats = needs.reshape(shape).mean(axis=1)
         return shares

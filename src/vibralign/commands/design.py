@@ -1,16 +1,12 @@
 """``vibralign design``: choose the free quantities of a device within its limits."""
 
 import argparse
-import math
 import os
 import sys
-import time
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-
-import numpy as np
 
 from model.sweeps.settings import Ensemble
 from vibralign.answers.assumptions import as_attribute, assumptions_with, lines_of
@@ -21,15 +17,7 @@ from vibralign.commands.arguments import (
     number,
     read_inputs,
 )
-from vibralign.commands.design_words import (
-    Answer,
-    Changes,
-    limiting_lines,
-    nothing_found,
-    record,
-    report,
-    so_far,
-)
+from vibralign.commands.design_words import Answer, nothing_found, record, report, so_far
 from vibralign.commands.files import check_file, check_picture, writing
 from vibralign.commands.known import design_in_part
 from vibralign.commands.program import add_command, add_json
@@ -39,11 +27,14 @@ from vibralign.device.stated import StatedDevice
 
 if TYPE_CHECKING:
     from vibralign.answers.assess import Assessment
-    from vibralign.answers.design import Design, Known
-    from vibralign.answers.design_changes import Change
+    from vibralign.answers.design import Design
     from vibralign.answers.design_trials import Trials
 
 _USUAL = {"generations": 10, "population": 16, "seed": 0, "devices": 1024}  # those of design
+_FEWER = (
+    "the search, if all settings go in; fewer with smaller --population, --generations and "
+    "--devices, or with a stated base"
+)
 
 
 def add(commands: Any) -> None:
@@ -59,11 +50,10 @@ def add(commands: Any) -> None:
         "until alignment, the force until inserted. Each setting is tried quickly. Of the settings "
         "with which all devices within the tolerances go in, the best is the one whose nearest "
         "failure is farthest, then the fastest. It is checked as `vibralign assess` checks it; if "
-        "it does not hold, the next best is checked. Then whatever limits it is changed and tried, "
-        "with at most as many runs again; an interrupt ends only this part. An interrupt of the "
-        "search prints the best setting so far, not checked, and writes nothing. If the file has "
-        "ranges of unknown quantities, design prints the setting that is reliable for most of what "
-        "is possible (of these the fastest), and what knowing everything would add.",
+        "it does not hold, the next best is checked. An interrupt prints the best setting so far, "
+        "not checked, and writes nothing. If the file has ranges of unknown quantities, design "
+        "prints the setting that is reliable for most of what is possible (of these the fastest), "
+        "and what knowing everything would add.",
         epilog="exit code: 0 a setting keeps the limits; 1 none of those tried does; 2 bad input",
     )
     add_model_options(parser, scene="insertion")
@@ -105,9 +95,14 @@ def _design(arguments: argparse.Namespace) -> int:
     announce_compilation()
     known: Known = {}
     try:
-        print(f"vibralign: {_forecast(trials, generations, population)}", file=sys.stderr)
         with ProgressLine() as line:
-            design, _ = search(trials, generations, population, line.begin, known)
+
+            def tell(step: str) -> None:
+                line.begin(step)
+                if step.startswith("generation 1 "):
+                    line.forecast(trials.most_runs(population * generations), _FEWER)
+
+            design = search(trials, generations, population, tell, known)
             line.begin("assessing the recommended setting")
             answer = Answer(design, trials, _assessed(design, trials, given))
     except KeyboardInterrupt:
@@ -117,67 +112,12 @@ def _design(arguments: argparse.Namespace) -> int:
         trials.stated, design.setting, given.settings, Ensemble(),
         tolerances_assumed=not given.stated.tolerances,
     )  # fmt: skip
-    if not arguments.json:
-        print("\n".join(report(answer)), flush=True)
-    _write(arguments, design, trials.stated, assumed)
-    changes = _try_changes(answer, known)
     if arguments.json:
-        print_json(record(answer, changes) | {"assumptions": assumed})
+        print_json(record(answer) | {"assumptions": assumed})
     else:
-        print("\n".join([*limiting_lines(answer, changes), *lines_of(assumed)]))
+        print("\n".join([*report(answer), *lines_of(assumed)]))
+    _write(arguments, design, trials.stated, assumed)
     return int(not design.feasible)
-
-
-def _forecast(trials: "Trials", generations: int, population: int) -> str:
-    """Return how long a search and the changes take, by the time of a few settings.
-
-    Between the least and the most, the geometric mean is usual for a search, and the changes take
-    as long again: within a factor of two where measured (docs/measurements.md).
-    """
-    from vibralign.answers.design_trials import Runs  # noqa: PLC0415  (as in _design)
-
-    few = replace(trials, runs=Runs())
-    low, high = np.array(list(trials.stated.free.values())).T
-    settings = np.random.default_rng(trials.seed).uniform(low, high, (population, len(low)))
-    few.quick(settings[:1])  # compiled, or read from the cache
-    began, before = time.perf_counter(), few.runs.taken
-    few.quick(settings)  # as many at once as the search has
-    seconds = max(time.perf_counter() - began, 1e-3)
-    most = trials.most_runs(population * (generations + 1))
-    if few.runs.taken == before:
-        return f"at most {most:,} runs; the first settings need none, by the limits of the vibrator"
-    rate = max((few.runs.taken - before) / seconds, 1.0)
-    least, minutes = seconds * (generations + 1) / 60.0, most / rate / 60.0
-    usual = round(min(2.0 * math.sqrt(least * minutes), minutes))
-    words = f"about {usual} minutes" if usual > 1 else "about a minute"
-    return (
-        f"{words}, {round(minutes)} if all settings go in ({most:,} runs at {rate:,.0f} a second); "
-        "fewer with smaller --population, --generations and --devices, or with a stated base"
-    )
-
-
-def _try_changes(answer: Answer, known: "Known") -> Changes:
-    """Change what limits the setting, until as many runs are taken as by the search.
-
-    An interrupt ends it too; what was tried is kept.
-    """
-    from vibralign.answers.design_changes import attempted  # noqa: PLC0415  (as in _design)
-    from vibralign.answers.design_trials import Runs, SpentError  # noqa: PLC0415
-
-    design, trials = answer.design, answer.trials
-    limiting, changes = design.limiting, list["Change"]()
-    some, number = replace(trials, runs=Runs(trials.runs.taken)), 0
-    try:
-        for number, each in enumerate(limiting):
-            with ProgressLine() as line:
-                line.begin(f"change {number + 1} of {len(limiting)}: {each.kind} of {each.name}")
-                change = attempted(some, design, known, each)
-            changes += [] if change is None else [change]
-    except SpentError:
-        return Changes(changes, limiting[number:], "no runs left: as many as the search took")
-    except KeyboardInterrupt:
-        return Changes(changes, limiting[number:], "interrupted; all else is complete")
-    return Changes(changes)
 
 
 def _assessed(design: "Design", trials: "Trials", given: Inputs) -> "Assessment":

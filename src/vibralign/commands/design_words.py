@@ -1,8 +1,7 @@
-"""Words and records of ``vibralign design``: a design, what limits it, and what was changed."""
+"""Words and records of ``vibralign design``: a design, and what limits it."""
 
 import math
 import shlex
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from vibralign.answers.forces import forces_words
@@ -10,15 +9,12 @@ from vibralign.answers.si import named_words, si_words, written_words
 from vibralign.commands.arguments import set_options
 from vibralign.commands.assess import headline
 from vibralign.commands.next_step import map_words
-from vibralign.commands.tables import in_columns
 from vibralign.device.limits import LIMITS, OF_VIBRATOR, VIBRATION
 
 if TYPE_CHECKING:
     from vibralign.answers.assess import Assessment
     from vibralign.answers.design import Design, Known, Limiting
-    from vibralign.answers.design_changes import Change
     from vibralign.answers.design_trials import Trials
-    from vibralign.device import StatedDevice
 
 _line = "{:<23}{}".format
 
@@ -39,14 +35,6 @@ class Answer(NamedTuple):
             return headline(self.assessed, check) + (f", but {excess}" if excess else "")
         words = headline(self.assessed, None).partition(";")[0]
         return f"{words}; no others within the tolerances were tried"
-
-
-class Changes(NamedTuple):
-    """Changes that were tried, those that were not, and why not."""
-
-    tried: "list[Change]"
-    left: "Sequence[Limiting]" = ()
-    why: str = ""
 
 
 def so_far(trials: "Trials", known: "Known") -> str:
@@ -99,7 +87,7 @@ def report(answer: Answer) -> list[str]:
     if design.check is not None:
         drawn = f"{design.check.devices:,} devices" if design.check.devices else "none drawn"
         words += f", this one with {drawn}"
-    return [*lines, _line("tried", words)]
+    return [*lines, _line("tried", words), *_limiting_lines(answer)]
 
 
 def nothing_found(design: "Design") -> str:
@@ -160,47 +148,25 @@ def _largest(answer: Answer) -> list[str]:
     return lines
 
 
-def limiting_lines(answer: Answer, changes: Changes) -> list[str]:
-    """Return the list of what limits the setting, and what a change of each gives."""
-    tried = {each.of: each for each in changes.tried}
-    rows = [(_change_words(answer, each), _gives(answer, tried.get(each), changes))
-            for each in answer.design.limiting]  # fmt: skip
+def _limiting_lines(answer: Answer) -> list[str]:
+    """Return the list of what limits the setting."""
+    rows = [_limiting_words(answer, each) for each in answer.design.limiting]
     if not answer.design.tried.share[answer.design.best] > 0.0:
-        rows.insert(0, ("the device itself", "as stated it does not go in"))
+        rows.insert(0, "the device itself: as stated it does not go in")
     if not rows:
         return [_line("what limits it", "nothing: no limit and no end of a range is near")]
-    return ["what limits it, and what a change gives:", *in_columns(rows)]
+    return ["what limits it:", *(f"  {row}" for row in rows)]
 
 
-def _change_words(answer: Answer, of: "Limiting") -> str:
+def _limiting_words(answer: Answer, of: "Limiting") -> str:
     kind, name, passed = of
     if kind == "tolerance":
-        return f"half the tolerance of {name}"
+        return f"the tolerance of {name}"
     if kind == "limit":
-        change = "half as much again" if answer.design.feasible else "left out"
-        return f"limit of {name}{', exceeded:' if passed else ''} {change}"
+        return f"the limit of {name}{', exceeded' * passed}"
     low, high = answer.design.free[name]
-    end, way = (low, "down from") if kind == "lower end" else (high, "up from")
-    return f"{name} {way} {written_words(name, end, answer.trials.stated)}"
-
-
-def _gives(answer: Answer, change: "Change | None", changes: Changes) -> str:
-    """Return the results of a change in words, as they were checked."""
-    if change is None:
-        return f"not tried ({changes.why})" if changes.why else "not possible"
-    if not change.better:
-        enough = answer.design.feasible or change.of.kind.endswith("end")
-        return "no better (tried)" if enough else "not enough alone (tried)"
-    tried, best = change.design.tried, change.design.best
-    margin = tried.margin[best]
-    parts = ["margin 3 tolerances or more" if margin >= 3.0 else f"margin {margin:.2g} tolerances"]
-    for name in ("time", "contact_force", "tilt"):
-        value = float(tried.measures[name][best])
-        parts.append(f"{name} {si_words(value, LIMITS[name][1])}")
-    if change.of.kind == "limit" and change.of.name in LIMITS:
-        parts[0] = f"{_more(change.value, answer.design.limits[change.of.name])}, {parts[0]}"
-    setting = named_words(change.design.setting, answer.trials.stated)
-    return f"{', '.join(parts)} with {setting} (tried)"
+    end = low if kind == "lower end" else high
+    return f"the {kind} of the range of {name}, {written_words(name, end, answer.trials.stated)}"
 
 
 def _asked(share: float) -> str:
@@ -208,37 +174,26 @@ def _asked(share: float) -> str:
     return next(words for words, each in VIBRATION.items() if each == share)
 
 
-def record(answer: Answer, changes: Changes) -> dict[str, Any]:
+def record(answer: Answer) -> dict[str, Any]:
     """Return what ``--json`` prints."""
     from vibralign.answers.yields import CONFIDENCE  # noqa: PLC0415  (as in _design)
 
-    design = answer.design
+    design, stated = answer.design, answer.trials.stated
+    measures = {n: float(each[design.best]) for n, each in design.tried.measures.items()}
     return {
         "feasible": design.feasible,
         "verdict": answer.verdict,
         "cause": answer.assessed.cause,
-        **_setting_record(design, answer.trials.stated),
+        "setting": design.setting,
+        "setting_as_stated": {n: written_words(n, v, stated) for n, v in design.setting.items()},
+        "margin": float(design.tried.margin[design.best]),
+        **measures,
         "yield": float(design.tried.share[design.best]),
         "yield_interval": design.interval,
         "yield_confidence": CONFIDENCE,
         "devices": design.check and design.check.devices,
         "forces": design.check.forces if design.check else {},
         "limiting": [each._asdict() for each in design.limiting],
-        "changes": [
-            {**each.of._asdict(), "better": each.better, "value": each.value}
-            | _setting_record(each.design, answer.trials.stated)
-            for each in changes.tried
-        ],
-        "not_tried": [_change_words(answer, each) for each in changes.left],
-        "not_tried_because": changes.why,
         "tried": int(design.tried.share.size),
         "checked": len(design.checks),
     }
-
-
-def _setting_record(design: "Design", stated: "StatedDevice") -> dict[str, Any]:
-    tried, best = design.tried, design.best
-    measures = {name: float(values[best]) for name, values in tried.measures.items()}
-    as_stated = {name: written_words(name, v, stated) for name, v in design.setting.items()}
-    margin = float(tried.margin[best])
-    return {"setting": design.setting, "setting_as_stated": as_stated, "margin": margin, **measures}

@@ -12,11 +12,9 @@ from vibralign import Settings
 from vibralign.answers import design as designs
 from vibralign.answers import design_trials, reliability
 from vibralign.answers.design import Limiting, as_printed, search, tried_of, with_tolerances
-from vibralign.answers.design_changes import attempted
-from vibralign.answers.design_trials import FARTHEST, MEASURES, Runs, SpentError, Trials
+from vibralign.answers.design_trials import FARTHEST, MEASURES, Trials
 from vibralign.answers.reliability import DeviceResults
 from vibralign.device import load_device
-from vibralign.device.amounts import Tolerance
 
 PEG = Path(__file__).resolve().parents[2] / "square" / "peg.yaml"
 COARSE = Settings(horizon=60.0, tolerance=1e-6)
@@ -32,20 +30,6 @@ def trials(limits=None):
 
 def tried(of: Trials, points):
     return tried_of(points, of.quick(np.array(points)), FREE)
-
-
-def changes(of: Trials, best, known, *kinds):
-    """Changes of these kinds that were tried."""
-    return [attempted(of, best, known, each) for each in best.limiting if each.kind in kinds]
-
-
-def relaxed(of, best, known):
-    assert not best.feasible
-    return [each for each in changes(of, best, known, "limit") if each.better]
-
-
-def widened(of, best, known):
-    return changes(of, best, known, "limit", "upper end", "lower end")
 
 
 def oracle(monkeypatch, fails=lambda force, friction: friction >= 0.1 + force / 100.0):
@@ -83,7 +67,7 @@ def test_a_setting_that_the_vibrator_cannot_give_is_not_run(monkeypatch):
 
 def test_a_limit_is_not_exceeded_where_nothing_goes_in(monkeypatch):
     oracle(monkeypatch, lambda force, _: force > 0.0)
-    best, _ = search(trials({"contact_force": 40.0, "stroke": 1.0, "acceleration": 1.0}), 1, 5)
+    best = search(trials({"contact_force": 40.0, "stroke": 1.0, "acceleration": 1.0}), 1, 5)
     # 1 mm at 50 Hz: 99 m/s², and a stroke of 2 mm; a force is not known.
     passed = {each.name: each.passed for each in best.limiting if each.kind == "limit"}
     assert passed == {"contact_force": False, "stroke": False, "acceleration": True}
@@ -129,19 +113,15 @@ def test_vibration_may_be_asked_for_or_not(monkeypatch, tmp_path):
 
     monkeypatch.setattr(reliability, "unvibrated", controls)
     needed, not_needed = (
-        search(trials({"vibration": share, "contact_force": 40.0}), 8, 12)[0]
-        for share in (1.0, 0.0)
+        search(trials({"vibration": share, "contact_force": 40.0}), 8, 12) for share in (1.0, 0.0)
     )
     assert needed.feasible
     assert not_needed.feasible
     assert needed.setting["press_force"] < 12.0 < not_needed.setting["press_force"]
     one = trials({"vibration": 0.0, "contact_force": 22.0})
-    none, known = search(one, 4, 12)
+    none = search(one, 4, 12)
     assert not none.feasible
-    assert {each.of.name for each in relaxed(one, none, known)} == {
-        "vibration",
-        "contact_force",
-    }
+    assert {each.name for each in none.limiting} >= {"vibration", "contact_force"}
     text = PEG.read_text() + "limits: {vibration: needed}\n"
     (tmp_path / "peg.yaml").write_text(text)
     assert load_device(tmp_path / "peg.yaml").limits == {"vibration": 1.0}
@@ -152,85 +132,43 @@ def test_vibration_may_be_asked_for_or_not(monkeypatch, tmp_path):
 
 def test_the_best_setting_has_the_largest_margin_and_keeps_the_limits(monkeypatch):
     oracle(monkeypatch)
-    one = trials({"contact_force": 40.0})
-    best, known = search(one, 8, 12)
+    best = search(trials({"contact_force": 40.0}), 8, 12)
     assert best.feasible
+    assert best.check.devices == 64
     assert best.setting["press_force"] == pytest.approx(20.0, abs=1.0)  # 2 f0 = 40
     assert best.limiting == [Limiting("limit", "contact_force")]
     assert (best.check.forces["side"], best.check.forces["edge"]) == pytest.approx(
         (best.tried.measures["contact_force"][best.best], 0.5 * best.check.forces["side"])
     )
-    [wider] = widened(one, best, known)  # 60 N: the press force may be 24 N, the end of its range
-    assert (*wider.of[:2], wider.value) == ("limit", "contact_force", 60.0)
-    assert wider.better
-    assert wider.design.setting["press_force"] > 20.0
-    assert wider.design.check.devices == 64
 
 
-def test_a_limit_that_none_keeps_is_named_with_what_it_would_take(monkeypatch):
+def test_limits_that_none_keeps_are_named_with_the_numbers_of_the_nearest_setting(monkeypatch):
     oracle(monkeypatch)
     one = trials({"time": 0.08, "contact_force": 22.0})
-    best, known = search(one, 8, 12)
+    best = search(one, 8, 12)
     assert not best.feasible
     assert best.check.devices == 64  # its numbers are those of all devices
-    relaxes = {each.of.name: each for each in relaxed(one, best, known)}
-    # time <= 0.08 asks for f0 >= 12.5, and a force of 25
-    assert relaxes["contact_force"].value == pytest.approx(25.0, rel=0.1)
-    assert relaxes["time"].value == pytest.approx(1.0 / 11.0, rel=0.1)  # at f0 = 11
-    for name, each in relaxes.items():  # of this setting, as all devices have it
-        design = each.design
-        assert each.value == design.tried.measures[name][design.best]
-        assert each.value == one.check(design.setting).row[MEASURE[name]]
-        assert design.check.devices == 64
+    assert {each.name for each in best.limiting} >= {"time", "contact_force"}
+    # The time asks for f0 >= 12.5, a force of 25; the force for f0 <= 11, a time of 1/11.
+    assert 11.0 <= best.setting["press_force"] <= 12.5
+    row = one.check(best.setting).row
+    for name in ("time", "contact_force"):
+        assert best.tried.measures[name][best.best] == row[MEASURE[name]]
 
 
-def test_changes_take_no_more_runs_than_they_may(monkeypatch):
-    sizes = oracle(monkeypatch)
-    one = trials({"contact_force": 40.0})
-    best, known = search(one, 8, 12)
-    assert one.runs.taken >= sum(sizes)  # devices, each from one start at least
-    [proposal] = best.limiting
-    enough, short = (replace(one, runs=Runs(most)) for most in (one.runs.taken, 100))
-    assert attempted(enough, best, known, proposal).better
-    assert 100 < enough.runs.taken <= enough.runs.most
-    with pytest.raises(SpentError):
-        attempted(short, best, known, proposal)
-    assert short.runs.taken <= 100
-
-
-def test_a_range_that_binds_is_widened_and_tried(monkeypatch):
+def test_an_end_of_a_range_that_binds_is_named(monkeypatch):
     oracle(monkeypatch)
     one = trials({"time": 0.2})
     narrow = replace(one, stated=replace(one.stated, free={**FREE, "press_force": (4.0, 8.0)}))
-    best, known = search(narrow, 4, 12)
+    best = search(narrow, 4, 12)
     assert Limiting("upper end", "press_force") in best.limiting
-    [wider] = changes(narrow, best, known, "upper end")
-    assert (*wider.of[:2], wider.value) == ("upper end", "press_force", 10.0)
-    assert wider.better
-    assert wider.design.setting["press_force"] == 10.0
-    assert wider.design.tried.margin[wider.design.best] > best.tried.margin[best.best]
 
 
-def test_a_range_whose_widening_helps_nothing_says_so(monkeypatch):
-    oracle(monkeypatch, lambda force, friction: (force > 7.2) | (friction > 0.21))
-    one = trials()
-    narrow = replace(one, stated=replace(one.stated, free={**FREE, "press_force": (4.0, 7.0)}))
-    best, known = search(narrow, 4, 12)
-    assert best.limiting == [Limiting("upper end", "press_force")]
-    [wider] = widened(narrow, best, known)
-    assert not wider.better
-
-
-def test_the_tolerance_to_halve_is_the_one_that_makes_devices_fail(monkeypatch):
+def test_tolerances_are_named_where_some_devices_within_them_fail(monkeypatch):
     oracle(monkeypatch, lambda _, friction: friction > 0.18)
     one = trials()
-    best, known = search(one, 1, 5)
+    best = search(one, 1, 5)
     assert 0.0 < best.tried.share[best.best] < 1.0
-    both = {**one.stated.tolerances, "misalignment": Tolerance("uniform", 0.1, relative=True)}
-    wide = replace(one, stated=replace(one.stated, tolerances=both))
-    halved = changes(wide, replace(best, tolerances=tuple(both)), known, "tolerance")
-    assert {each.of.name for each in halved} == set(both)
-    assert [each.of.name for each in halved if each.better] == ["friction"]
     assert {each.kind for each in best.limiting} == {"tolerance"}
 
 
@@ -241,7 +179,7 @@ def test_a_setting_that_the_quick_trial_takes_and_assess_does_not_is_not_recomme
     oracle(monkeypatch, fails)
     one = trials({"contact_force": 40.0})
     assert tried(one, [[20.0, 0.5], [9.0, 0.5]]).share.tolist() == [1.0, 1.0]
-    found, _ = search(one, 6, 12)
+    found = search(one, 6, 12)
     assert found.feasible
     assert found.setting["press_force"] <= 10.0
     assert (found.check.going_in, found.check.devices) == (64, 64)
@@ -261,7 +199,7 @@ def test_times_are_expected_to_grow_as_at_the_nearest_check(monkeypatch):
         return [(*row[:2], 0.7 * row[2], *row[3:]) for row in quick(self, points)]
 
     monkeypatch.setattr(Trials, "quick", optimistic)
-    found, _ = search(one, 6, 12)
+    found = search(one, 6, 12)
     assert found.feasible
     assert found.setting["press_force"] > 10.0  # the time is 1/f0, of the lightest press
     assert len(found.checks) < 6
@@ -283,7 +221,7 @@ def test_a_device_without_tolerances_gets_ten_per_cent():
 
 def test_the_design_of_the_peg_is_not_beaten_by_a_full_grid():
     limits = {"contact_force": 30.0, "time": 0.12}
-    best, _ = search(trials(limits), 6, 12)
+    best = search(trials(limits), 6, 12)
     assert best.feasible
     force, tilt = np.meshgrid(np.linspace(4.0, 24.0, 6), np.linspace(0.1, 0.9, 6))
     grid = tried(trials(limits), np.stack([force.ravel(), tilt.ravel()], axis=1))
