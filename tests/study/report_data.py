@@ -74,6 +74,11 @@ def plain(html: str) -> str:
     return re.sub(r"\s+", " ", re.sub(r"<[^>]*>", "", html)).replace("&#39;", "'")
 
 
+def words_of(html: str) -> str:
+    """The words of a table, with spaces between its cells."""
+    return " ".join(re.sub(r"<[^>]*>", " ", html).split())
+
+
 @pytest.fixture(scope="module")
 def study(small_study):
     return small_study(points=10, cells=5)

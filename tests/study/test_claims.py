@@ -8,7 +8,7 @@ import pytest
 from study.claims import CLAIMS, judge, tally
 from study.claims.claims import ClaimsError, claims_of
 from study.claims.data import figure_of
-from study.claims.ledger import judge_claim, ledger_text, lines_of, read_ledger
+from study.claims.ledger import Number, judge_claim, ledger_text, lines_of, read_ledger
 from study.claims.measures import (
     Trace,
     edge_shift,
@@ -187,3 +187,18 @@ def test_the_ledger_is_read_as_it_was_written(tmp_path) -> None:
     assert found.fails == "slower; falls; falls, back"
     assert "slower: 0.8" in found.seen
     assert tally([e.verdict for e in lines]) == "27 shown, 2 not shown, 1 not checkable"
+
+
+def test_a_number_without_a_measure_says_why() -> None:
+    told = {value: str(Number("p", "f0 = 5", value, 1.0)) for value in (NAN, np.inf, 2.0)}
+    assert [*told.values()] == [
+        "f0 = 5: nothing to measure", "f0 = 5: nothing to compare with", "f0 = 5: 2"
+    ]  # fmt: skip
+
+
+def test_what_creeps_is_counted_apart_by_whether_it_needs_the_vibration() -> None:
+    regime = regime_of(made("fig06", lambda _, f: 500.0 + f, separations=0, unvibrated=0))
+    assert (regime.creeps, regime.creeps_static) == (1.0, 1.0)
+    regime = regime_of(made("fig06", lambda _, f: 500.0 + f, separations=1, unvibrated=0))
+    assert regime.creeps == 0.0
+    assert np.isnan(regime.creeps_static)

@@ -4,31 +4,29 @@ import base64
 import re
 import shutil
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
-import xarray as xr
 from markupsafe import escape
 
-from model.events.outcomes import InsertionOutcome, Outcome, Reason, Unvibrated
+from model.events.outcomes import Outcome, Reason, Unvibrated
 from model.physics.parameters import OF_PAPER
 from model.physics.variants import VARIANT_NAMES
+from model.sweeps.io import write_dataset
 from study.claims import CLAIMS, tally
 from study.jamming import entered, jammed, wedging_side
 from study.report import background
 from study.report.background import VARIANT_WORDS
 from study.report.figures import HEAD, Counts
 from study.report.findings import wedging_words
-from study.report.ledger import held_out
 from study.report.section import Results, subscripts
-from tests.study.report_data import PIXEL, Page, article, plain, render_report
+from tests.study.report_data import PIXEL, Page, article, plain, render_report, words_of
 from tests.vibralign.plots.drawn import jamming_data
 from verification.bench.plans import PICTURES
 from verification.bench.report.advice import advice
 from verification.bench.report.checks import CHECKS
 from verification.bench.report.work_precision_plots import CAPTIONS
-from vibralign.plots.words import figure_title, percent, short
+from vibralign.plots.words import percent
 
 MOST_WORDS = 4000  # in sight when the page is opened
 
@@ -121,48 +119,6 @@ def test_every_parameter_is_told(rendered):
         assert part.count(f"<td><code>{name}</code></td>") == 1
 
 
-# --- The answer ---------------------------------------------------------------------------------
-
-
-def answer_part(text: str) -> str:
-    return text[text.index('id="answer"') : text.index('id="figures"')]
-
-
-def answer_of(text: str) -> str:
-    return plain(answer_part(text))
-
-
-def words_of(html: str) -> str:
-    """The words of a table, with spaces between its cells."""
-    return " ".join(re.sub(r"<[^>]*>", " ", html).split())
-
-
-def test_shares_of_the_answer_are_the_least_and_the_most_of_the_figures(rendered, datasets, study):
-    text = answer_of(rendered)
-    went_in, resting, reliable = {}, {}, {}
-    for name, dataset in datasets.items():
-        aligned = dataset["outcome"].values == Outcome.ALIGNED
-        inserted = dataset["insertion"].values == InsertionOutcome.INSERTED
-        went_in[name] = inserted.sum() / aligned.sum()
-        tilted = dataset["unvibrated_tilt"].values > dataset["initial_tilt"].values
-        rests = tilted & (dataset["unvibrated"].values == Unvibrated.RESTS)
-        resting[name] = rests[aligned].mean()
-    for name in study.named("map"):
-        nodes = datasets[name]["outcome"].values[::2, ::2] == Outcome.ALIGNED
-        reliable[name] = (datasets[name]["reliable"].values[nodes] == 1).mean()
-    words_of_shares = {
-        "goes in": went_in,
-        "rests on the edge unless it is vibrated": resting,
-        "still aligns if it starts a little differently, where that is tried": reliable,
-    }
-    assert rendered.count("<dt>") == 4 + len(words_of_shares)
-    for words, shares in words_of_shares.items():
-        low, high = min(shares, key=shares.get), max(shares, key=shares.get)
-        number = f"{percent(shares[low]).removesuffix(' %')} to {percent(shares[high])}"
-        where = f"(least in {figure_title(low)}, most in {figure_title(high)})"
-        assert f"{number} of what aligns {words} {where}" in text
-
-
 def test_the_page_says_what_the_twins_do(rendered, datasets):
     part = rendered[rendered.index('id="vibration"') : rendered.index('id="claims"')]
     part = words_of(part)
@@ -170,6 +126,14 @@ def test_the_page_says_what_the_twins_do(rendered, datasets):
     aligned = dataset["outcome"].values == Outcome.ALIGNED
     alone = (dataset["unvibrated"].values == Unvibrated.ALIGNS)[aligned].mean()
     assert f"Fig. 8 {aligned.sum():,} of {aligned.size:,} {percent(alone)}" in part
+
+
+def test_circles_are_explained_where_there_are_some(study, root, datasets, tmp_path):
+    assert "A circle marks" not in render_report(Results(root, study))
+    some, data = shutil.copytree(root, tmp_path / "some"), datasets["fig09"].copy(deep=True)
+    data["sensitive"].values[data["outcome"].values == Outcome.ALIGNED] = 1
+    write_dataset(data, some / "data/fig09.nc")
+    assert "A circle marks a\nsensitive point" in render_report(Results(some, study))
 
 
 def test_few_words_are_in_sight_when_the_page_is_opened(rendered):
@@ -190,18 +154,6 @@ def test_few_words_are_in_sight_of_the_smoke_report():
 
 def test_numbers_are_written_without_a_computers_exponent(rendered):
     assert not re.search(r"\de[+-]\d\d", re.sub(r"data:image[^\"]*", "", rendered))
-
-
-def test_entries_held_out_are_counted(study) -> None:
-    verdicts = np.array([[0, 0, 0, *[1] * (len(CLAIMS) - 3)]], np.int8)
-    cases = xr.Dataset(
-        {"verdict": (("case", "entry"), verdicts)},
-        {"case": ["odd"], "entry": [claim.id for claim in CLAIMS]},
-    )
-    results = SimpleNamespace(study=study, dataset=lambda _: cases)
-    assert held_out(results) == "1 of 15", "by L01, L03, …: of the others it shows L02"
-    results.dataset = lambda _: cases.isel(case=[])
-    assert held_out(results) == ""
 
 
 def test_error_against_cost_is_told_in_sentences_pictures_and_tables(
@@ -233,54 +185,6 @@ def test_a_table_for_each_error_has_a_row_for_every_case_and_a_column_for_every_
     assert f"{overturning}wrong outcome–too many evaluations" in text
 
 
-def test_the_page_opens_with_the_ledger_and_numbers_of_the_figures(rendered, datasets, lines):
-    text = answer_of(rendered)
-    shown = [line for line in lines if line.verdict == "shown"]
-    words = "random devices show 8 in the median, 14 at most"
-    assert f"{len(shown)} of {len(CLAIMS)} statements of the paper shown" in text
-    assert words in text
-    of = {claim.id for claim in CLAIMS if claim.is_conclusion}
-    assert f"{len([each for each in shown if each.claim in of])} of {len(of)} statements" in text
-    kept, pushed = [], []
-    for name, dataset in datasets.items():
-        aligned = dataset["outcome"].values == Outcome.ALIGNED
-        known = aligned & (dataset["sensitive"].values == 0)
-        periods = (dataset["tau_align"] * dataset["frequency"]).transpose(*dataset["outcome"].dims)
-        in_one = (periods.values[known] < 2.0 * np.pi).mean()
-        hops = (dataset["separations"].values[known] > 0).mean()
-        lower = (dataset["separations"].values == 0) & (periods.values >= 2.0 * np.pi)
-        if hops <= 0.05:
-            kept.append(f"{int(name[3:])}")
-        if in_one > 0.5:
-            pushed.append(f"{int(name[3:])}")
-        tau = short(np.median(dataset["tau_align"].values[aligned]), 3)
-        row = f"{figure_title(name)} {percent(aligned.mean())} {tau} {percent(hops)} "
-        row += f"{percent(in_one)} {percent(lower[known].mean())} "
-        assert row in words_of(answer_part(rendered))
-    words = "of our figures in which nearly every part keeps contact until it aligns"
-    where = f": Figs. {', '.join(kept)}" if kept else ""
-    assert f"{len(kept)} of {len(datasets)} {words}{where}; the paper: in all" in text
-    words = "of our figures in which most parts align within the first period of the vibration"
-    assert f"{len(pushed)} of {len(datasets)} {words}: Figs. {', '.join(pushed)}" in text
-
-
-def test_figures_that_read_like_the_paper_come_before_those_that_do_not(rendered, lines):
-    text = answer_of(rendered)
-    alike, unlike = text.index("Figures that read like"), text.index("Figures that do not")
-    verdicts = {line.claim: line.verdict for line in lines}
-
-    def share(name):
-        own = [c.id for c in CLAIMS if len(c.figures) < 3 and name in c.figures]
-        return len([c for c in own if verdicts[c] == "shown"]) / len(own)
-
-    def told(part):
-        return [f"fig{int(number):02}" for number in re.findall(r"Fig\. (\d+): [✓✗–]", part)]
-
-    best, worst = told(text[alike:unlike]), told(text[unlike:])
-    assert len(best) == len(worst) == 3
-    assert min(map(share, best)) >= max(map(share, worst))
-
-
 def test_every_entry_is_told_with_its_numbers_limits_and_where_it_is_seen(rendered, lines):
     part = rendered[rendered.index('id="claims"') : rendered.index('id="jamming"')]
     text = plain(part)
@@ -288,6 +192,7 @@ def test_every_entry_is_told_with_its_numbers_limits_and_where_it_is_seen(render
     for line, claim in zip(lines, CLAIMS, strict=True):
         assert plain(str(subscripts(line.says))) in text
         assert f'id="claim-{line.claim}"' in part
+        assert plain(str(subscripts(claim.reading))) in text
         for limit in claim.limits.values():
             assert plain(str(subscripts(limit.reason))) in text
     assert "L13" in text

@@ -27,6 +27,8 @@ class Number:
     def __str__(self) -> str:
         if math.isnan(self.value):
             shown = "nothing to measure"
+        elif math.isinf(self.value):
+            shown = "nothing to compare with"
         else:
             shown = f"{self.value:.3g}" if abs(self.value) >= _LEAST else "0.000"
         return f"{self.where}: {shown}" if self.where else shown

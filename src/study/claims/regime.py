@@ -26,6 +26,7 @@ class Regime(NamedTuple):
         lift_offs: share that lifts off before it aligns.
         first_period: share that aligns within the first period of the vibration.
         creeps: share that aligns later than that, and does not lift off before.
+        creeps_static: share of those that creep whose unvibrated control aligns as well.
     """
 
     aligned: float
@@ -39,6 +40,7 @@ class Regime(NamedTuple):
     lift_offs: float
     first_period: float
     creeps: float
+    creeps_static: float
 
 
 def regime_of(figure: Figure) -> Regime:
@@ -56,17 +58,19 @@ def regime_of(figure: Figure) -> Regime:
         of["unvibrated_tilt"] > figure.held["initial_tilt"]
     )
     in_first = of["tau_align"] * runs.result("frequency")[aligned] < 2.0 * np.pi
+    creeps, static = ~(hops | in_first), of["unvibrated"] == Unvibrated.ALIGNS
     least = share(aligned) if figure.is_map else min(share(each.aligned) for each in figure.curves)
     return Regime(
         aligned=share(aligned),
         aligned_least=least,
         aligned_shown=share(aligned[runs.result("press_force") <= 10.0]),
-        static=share(of["unvibrated"] == Unvibrated.ALIGNS),
+        static=share(static),
         not_resting=share(~rests),
         tilt=median(tilts),
         tilt_largest=float(tilts.max()) if tilts.size else NAN,
         corners=share(np.isfinite(of["tau_corners_inside"])),
         lift_offs=share(hops),
         first_period=share(in_first),
-        creeps=share(~(hops | in_first)),
+        creeps=share(creeps),
+        creeps_static=share(static[creeps]),
     )

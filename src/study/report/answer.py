@@ -1,21 +1,23 @@
-"""Section at the head of the page: the ledger in two numbers, four of the figures, one map."""
+"""Section at the head of the page: the answer in a sentence, numbers, six figures, one map."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+import xarray as xr
 
 from study.claims import CLAIMS, figure_of
 from study.claims.ledger import Line, read_ledger
 from study.claims.regime import Regime, regime_of
 from study.report.figures import HEAD, Counts, article, counts_of
-from study.report.ledger import SIGNS, conclusions, count, held_out
+from study.report.ledger import SIGNS, conclusions, count, held_out, on_grid
 from study.report.section import Results, Section, Table, link
 from vibralign.plots.words import figure_number, figure_title, percent, short
 
 _SHOWN = 3  # figures that read most, and least, like the paper
+_SEEN = 0.005  # from which a share is not printed as none
+_CLAIM = {claim.id: claim for claim in CLAIMS}
 
 
 class Finding(NamedTuple):
@@ -30,7 +32,13 @@ class Read(NamedTuple):
 
     name: str
     title: str
+    aligned: float  # share of its points
     said: list[tuple[str, str]]
+
+    @property
+    def shown(self) -> float:
+        """Share of the statements that are shown."""
+        return [sign for sign, _ in self.said].count(SIGNS["shown"]) / len(self.said)
 
 
 def section(results: Results) -> Section:
@@ -42,26 +50,46 @@ def section(results: Results) -> Section:
     goes_in = {name: each.inserted_share for name, each in counts.items()}
     of = conclusions(lines)
     findings = [
-        _paper(lines, results.dataset("data/cases.nc")["random"].values),
+        _paper(lines, results.dataset("data/cases.nc")),
         Finding(f"{count(of)} of {len(of)}", "statements of the numbered conclusions shown"),
         _contact(regimes),
         _first_period(regimes),
         _shares("rests on the edge unless it is vibrated", _resting(regimes)),
-        _shares("goes in", goes_in),
+        _going_in(counts, goes_in),
         _shares("still aligns if it starts a little differently, where that is tried", reliable),
     ]
     rows = [_row(name, counts[name], regimes[name], goes_in[name]) for name in counts]
-    ranked = _ranked(lines)
+    figures = _figures(lines, counts)
     content = {
+        "answer": _plainly(results, counts),
         "findings": findings,
-        "held_out": held_out(results),
-        "alike": ranked[:_SHOWN],
-        "unlike": ranked[-_SHOWN:],
+        "half": held_out(results, lines),
+        "alike": sorted(figures, key=lambda it: (-it.shown, -len(it.said)))[:_SHOWN],
+        "unlike": sorted(figures, key=lambda it: (it.shown, -len(it.said)))[:_SHOWN],
+        "creeps_alone": " and ".join(
+            f"{percent(regime.creeps_static)} in {figure_title(name)}"
+            for name, regime in regimes.items() if regime.creeps_static >= _SEEN
+        ),
         "figures": Table(
             ("figure", ">align", ">τ", ">hop", ">one period", ">creep", ">rest", ">go in"), rows),
         "article": article(results, HEAD),
     }  # fmt: skip
     return Section("answer", "The answer", Path(__file__).with_suffix(".html.j2"), content)
+
+
+def _plainly(results: Results, counts: Mapping[str, Counts]) -> str:
+    """Return when, how fast and how safely a part aligns, by the maps and by all that aligns."""
+    of_maps = np.concatenate([counts[name].tau for name in results.study.named("map")])
+    if not of_maps.size:
+        return "No part aligns."
+    tau = float(np.median(of_maps))
+    every = sum(own.tau.size for own in counts.values())
+    lost = sum(own.lost for own in counts.values())
+    return (
+        "The stiffer its tilt spring, the harder our part can be pressed and still align; it then "
+        f"takes {short(tau / (2.0 * np.pi))} natural periods along the axis in the median "
+        f"(τ = {short(tau, 3)}), and all but {lost:,} of the {every:,} that align go in."
+    )
 
 
 def _row(name: str, own: Counts, regime: Regime, goes_in: float) -> Sequence[object]:
@@ -73,36 +101,50 @@ def _row(name: str, own: Counts, regime: Regime, goes_in: float) -> Sequence[obj
     return title, percent(own.aligned_share), tau, *map(percent, shares)
 
 
-def _paper(lines: list[Line], random: NDArray[np.int8]) -> Finding:
+def _paper(lines: list[Line], cases: xr.Dataset) -> Finding:
+    random = cases["random"].values
     label = (
-        "statements of the paper shown, by a device that was searched for by this very list; "
-        f"random devices show {np.median(random):g} in the median, {random.max()} at most"
+        "statements of the paper shown, by a device that was searched for by this very list: "
+        f"{on_grid(cases)} on the coarse grid on which random devices show {np.median(random):g} "
+        f"in the median, {random.max()} at most"
     )
     return Finding(f"{count(lines)} of {len(lines)}", label)
 
 
-def _ranked(lines: list[Line]) -> list[Read]:
-    """Return the figures with two entries of their own or more, those most like the paper first."""
-    figures = {claim.id: claim.figures for claim in CLAIMS}
-    own: dict[str, list[Line]] = {}
+def _figures(lines: list[Line], counts: Mapping[str, Counts]) -> list[Read]:
+    """Return the figures with their own statements.
+
+    These are the entries that are judged by one figure or two, and the parts of others that name
+    Fig. 5 alone.
+    """
+    own: dict[str, list[tuple[str, str]]] = {}
     for line in lines:
-        for name in figures[line.claim] if len(figures[line.claim]) < 3 else ():
-            own.setdefault(name, []).append(line)
-    ranked = sorted(
-        (name for name, said in own.items() if len(said) > 1 and name.startswith("fig")),
-        key=lambda name: (-count(own[name]) / len(own[name]), name),
-    )
+        claim = _CLAIM[line.claim]
+        for name in claim.figures if len(claim.figures) < 3 else ():
+            own.setdefault(name, []).append((SIGNS[line.verdict], _said(line)))
+        for part, limit in claim.limits.items():
+            if "Fig. 5" in limit.measure:
+                fails = line.verdict != "shown" and part in line.fails.split("; ")
+                verdict = "not shown" if fails else "shown"
+                own.setdefault("fig05", []).append((SIGNS[verdict], line.says))
     return [
-        Read(name, figure_title(name), [(SIGNS[each.verdict], each.says) for each in own[name]])
-        for name in ranked
-    ]
+        Read(name, figure_title(name), counts[name].aligned_share, own[name])
+        for name in counts if name in own
+    ]  # fmt: skip
+
+
+def _said(line: Line) -> str:
+    """Return an entry's words; where they are read loosely, how."""
+    reading = _CLAIM[line.claim].reading
+    return f"{line.says} (read {reading.partition(':')[0]})" if "loosely" in reading else line.says
 
 
 def _contact(regimes: Mapping[str, Regime]) -> Finding:
     """Return in how many figures nearly every part keeps contact, to a twentieth."""
     some = [name for name, regime in regimes.items() if regime.lift_offs <= 0.05]
     words = "of our figures in which nearly every part keeps contact until it aligns"
-    return Finding(f"{len(some)} of {len(regimes)}", f"{words}{_named(some)}; the paper: in all")
+    paper = "; the paper, as we read its “non-impact regime”: in all"
+    return Finding(f"{len(some)} of {len(regimes)}", f"{words}{_named(some)}{paper}")
 
 
 def _first_period(regimes: Mapping[str, Regime]) -> Finding:
@@ -129,12 +171,36 @@ def _reliable(results: Results, own: Counts) -> float:
     return float(reliable.mean()) if reliable.size else np.nan
 
 
-def _shares(words: str, shares: Mapping[str, float]) -> Finding:
-    """Return the least and the greatest share of what aligns in a figure, each with its figure."""
-    known = {name: share for name, share in shares.items() if not np.isnan(share)}
+def _going_in(counts: Mapping[str, Counts], shares: Mapping[str, float]) -> Finding:
+    """Return the range of the shares that go in, with every figure in which some do not."""
+    lost = [
+        f"{own.lost:,} of {own.tau.size:,} in {figure_title(name)}"
+        for name, own in counts.items() if own.lost
+    ]  # fmt: skip
+    where = f": all but {', '.join(lost)}" if lost else ""
+    return Finding(_span(shares), f"of what aligns goes in{where}")
+
+
+def _span(shares: Mapping[str, float]) -> str:
+    """Return the least and the greatest share, "–" if none is known."""
+    known = [share for share in shares.values() if not np.isnan(share)]
     if not known:
-        return Finding("–", f"of what aligns {words}")
-    low, high = (of(known, key=lambda name: known[name]) for of in (min, max))
-    least, most = percent(known[low]).removesuffix(" %"), percent(known[high])
-    where = f"(least in {figure_title(low)}, most in {figure_title(high)})"
-    return Finding(f"{least} to {most}", f"of what aligns {words} {where}")
+        return "–"
+    low, high = percent(min(known)), percent(max(known))
+    return high if low == high else f"{low.removesuffix(' %')} to {high}"
+
+
+def _shares(words: str, shares: Mapping[str, float]) -> Finding:
+    """Return the least and the greatest share of what aligns in a figure, each with its figure.
+
+    A figure is named only if no other has its share.
+    """
+    seen = {name: percent(share) for name, share in shares.items() if not np.isnan(share)}
+    known = {name: share for name, share in shares.items() if name in seen}
+    ends = []
+    for which, of in (("least", min), ("most", max)) if known else ():
+        name = of(known, key=lambda each: known[each])
+        if [*seen.values()].count(seen[name]) == 1:
+            ends.append(f"{which} in {figure_title(name)}")
+    where = f" ({', '.join(ends)})" if ends else ""
+    return Finding(_span(shares), f"of what aligns {words}{where}")

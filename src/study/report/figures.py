@@ -52,6 +52,12 @@ class Counts:
         return float(np.quantile(error, quantile)) if error.size else np.nan
 
     @property
+    def lost(self) -> int:
+        """Number of the aligned runs whose part does not go in."""
+        goes_in = self.dataset["insertion"].values == InsertionOutcome.INSERTED
+        return int((self.aligned & ~goes_in).sum())
+
+    @property
     def inserted_share(self) -> float:
         """Share of the aligned runs whose part goes in; NaN if none aligns."""
         return share(self.dataset["insertion"].values[self.aligned] == InsertionOutcome.INSERTED)
@@ -71,11 +77,13 @@ def section(results: Results) -> Section:
     study = results.study
     rounds = [name for name, plane in study.maps.planes.items() if plane.shape == "round"]
     shown = [*study.figures, *rounds]
+    counts = counts_of(results)
     content = {
         "articles": [article(results, name) for name in shown if name != HEAD],
         "entries": [(figure_title(name), name) for name in study.figures],
-        "runs": _outcomes(counts_of(results)),
-        "durations": _durations(counts_of(results)),
+        "circles": any((own.sensitive & own.aligned).any() for own in counts.values()),
+        "runs": _outcomes(counts),
+        "durations": _durations(counts),
         "outcomes": outcomes,
     }
     return Section("figures", "The figures", Path(__file__).with_suffix(".html.j2"), content)

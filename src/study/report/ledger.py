@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Mapping
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -28,7 +29,9 @@ def section(results: Results) -> Section:
         "until": number(results.study.evidence.grid.horizon),
         "counts": _counts(cases),
         "assumptions": _assumptions(cases),
-        "entries": [(line, _parts(line), _sources(line)) for line in lines],
+        "entries": [
+            (line, _CLAIM[line.claim].reading, _parts(line), _sources(line)) for line in lines
+        ],
         "shared": _shared(),
         "signs": SIGNS,
         "files": [("the ledger (CSV)", "claims.csv"), ("other cases (netCDF)", "data/cases.nc")],
@@ -43,19 +46,34 @@ def _halves(results: Results) -> dict[str, list[str]]:
     return {name: each.entries for name, each in searches.items() if each.entries is not None}
 
 
-def held_out(results: Results) -> str:
-    """Return how many entries are shown by devices whose search had not seen them, "" for none."""
-    cases, halves = results.dataset("data/cases.nc"), _halves(results)
-    titles, entries = cases["case"].values.tolist(), cases["entry"].values.tolist()
-    unseen = [
-        (titles.index(name), entries.index(entry))
-        for name, seen in halves.items() if name in titles
-        for entry in entries if entry not in seen
-    ]  # fmt: skip
-    if not unseen:
-        return ""
-    shown = sum(int(cases["verdict"].values[place] == SHOWN) for place in unseen)
-    return f"{shown} of {len(unseen)}"
+class Half(NamedTuple):
+    """Numbers of entries that a device shows of those its search judged by, and of the others."""
+
+    unseen: int  # of the others
+    of_unseen: int
+    seen: int  # of those that judged
+    of_seen: int
+    random: float  # of the others, by random devices in the mean
+
+
+def held_out(results: Results, lines: list[Line]) -> Half | None:
+    """Return what the device shows whose search judged by a part of the entries, None without."""
+    cases = results.dataset("data/cases.nc")
+    titles = cases["case"].values.tolist()
+    for name, judged in _halves(results).items():
+        if name in titles:
+            is_shown = cases["verdict"].values[titles.index(name)] == SHOWN
+            seen = np.isin(cases["entry"].values, judged)
+            random = sum(line.random for line in lines if line.claim not in judged)
+            shown = int(is_shown[~seen].sum()), int(is_shown[seen].sum())
+            return Half(shown[0], int((~seen).sum()), shown[1], int(seen.sum()), random)
+    return None
+
+
+def on_grid(cases: xr.Dataset) -> int:
+    """Return how many entries the study's device shows on the grid of random devices."""
+    own = cases["kind"].values == KINDS.index("device")
+    return int((cases["verdict"].values[own] == SHOWN).sum())
 
 
 def conclusions(lines: list[Line]) -> list[Line]:
