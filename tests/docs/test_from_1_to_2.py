@@ -54,6 +54,7 @@ COMMANDS = {
     "`assess --dimensionless`": {
         "vibralign assess --dimensionless": "in Python returns dimensionless numbers"
     },
+    "`assess --bases`": {"vibralign assess --bases": "leave the base out of the device file"},
     "`--start` with `--device`": {
         f"vibralign {each} --device {PEG} --start pressed": "write vibrator: still"
         for each in ("simulate", "assess")

@@ -63,7 +63,7 @@ def values():
         simulate(device, QUICK), simulate(device, QUICK, horizon=1.0), align(batch, QUICK),
         found, results, replace(found, low=math.nan), best,
         calibrate(BENCH, TRIALS, touch_downs_tried=2, target=5),
-        assess(peg, QUICK, vary=False, bases=True),
+        assess(peg, QUICK, vary=False),
     ]  # fmt: skip
 
 

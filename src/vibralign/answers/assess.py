@@ -5,9 +5,8 @@ Phase and tilt at touch-down cannot be controlled, and a base that is not stated
 align in the alignment scene, and to go in in the insertion scene.
 """
 
-import itertools
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -151,49 +150,12 @@ class Assessment(Value):
     @property
     def reliable(self) -> bool:
         """True if the device succeeds from every start, on every base that was tried."""
-        return self.failing_start is None and all(each.reliable for each in self.bases)
+        return self.failing_start is None
 
     @property
     def depends_on_base(self) -> bool:
         """True if the device is reliable on some of the bases and not on others."""
-        verdicts = {self.failing_start is None, *(each.reliable for each in self.bases)}
-        return len(verdicts) > 1
-
-    @property
-    def rigid_from(self) -> float | None:
-        """Smallest contact stiffness tried above which neither verdict nor time changes."""
-        return self._alike_from(Verdict.agrees_with)
-
-    @property
-    def decided_from(self) -> float | None:
-        """Smallest contact stiffness tried above which the verdict does not change."""
-        return self._alike_from(lambda one, limit: one.reliable == limit.reliable)
-
-    @property
-    def last_change(self) -> float:
-        """Largest relative change of a time between the two stiffest bases; NaN without one."""
-        changes = [
-            abs(limit_time / time - 1.0)
-            for base, limit in itertools.pairwise(self.bases)
-            if limit.of.contact_stiffness == max(each.of.contact_stiffness for each in self.bases)
-            for time, limit_time in zip(base.times, limit.times, strict=True)
-        ]
-        return max(filter(math.isfinite, changes), default=math.nan)
-
-    def _alike_from(self, alike: Callable[[Verdict, Verdict], bool]) -> float | None:
-        """Return the stiffness from which on all bases are like the stiffest of their restitution.
-
-        None if there is no such stiffness.
-        """
-        least = None
-        for stiffness in sorted({each.of.contact_stiffness for each in self.bases}, reverse=True):
-            for each in self.bases:
-                like_it = [b for b in self.bases if b.of.restitution == each.of.restitution]
-                limit = like_it[-1] if len(like_it) > 1 else self.bases[-1]
-                if each.of.contact_stiffness == stiffness and not alike(each, limit):
-                    return least
-            least = stiffness
-        return least
+        return len({each.reliable for each in self.bases}) > 1
 
 
 @dataclass(frozen=True)
@@ -232,7 +194,6 @@ def assess(
     ensemble: Ensemble | None = None,
     cores: int = 1,
     *,
-    bases: bool = False,
     vary: bool = True,
 ) -> Assessment:
     """Assess a device by some thousand runs.
@@ -242,15 +203,13 @@ def assess(
         settings: settings of the runs; None for the defaults, in the insertion scene.
         ensemble: the starts; None for those of the study.
         cores: number of threads.
-        bases: try bases even if the device states one; only the result ``bases`` is then of these.
         vary: seek the leeways, or the nearest reliable values if a case fails.
     """
     device = device_of(device)
     settings, ensemble = settings_for(device, settings), ensemble or Ensemble()
-    cases, tried = cases_of(device, ensemble), cases_of(device, ensemble, bases=bases)
-    found, units = from_every_start(device, as_stated(device), tried, settings, cores)
-    on_all = {name: column[0] for name, column in found.items()}
-    results = {name: column[: len(cases)] for name, column in on_all.items()}  # tried first
+    cases = cases_of(device, ensemble)
+    found, units = from_every_start(device, as_stated(device), cases, settings, cores)
+    results = {name: column[0] for name, column in found.items()}
     goes_in, tau, hops = results["goes_in"], results["tau_align"], results["separations"]
     hopping = [i for i in np.argsort(-hops, kind="stable")[:_HOPPING] if hops[i] > 0]
     runs = [_run_in(device, cases[i], settings) for i in hopping]
@@ -266,11 +225,11 @@ def assess(
         tilt_max=float(np.fmax.reduce(results["tilt_max"])),
         separations=(int(hops.min()), int(hops.max())),
         impact_speed=max((impact_speed(run) for run in runs), default=0.0),
-        bases=verdicts_on(bases_in(device, tried), tried, on_all),
+        bases=verdicts_on(bases_in(device, cases), cases, results),
         forces={place: float(np.fmax.reduce(results[name])) for place, name in FORCES.items()},
         inserted=ends_of((tau + results["tau_inserted"])[goes_in]),
         tilts=verdicts_on(tilts, cases, results),
-        approaches=verdicts_on([*map(approach_of, tried)], tried, on_all),
+        approaches=verdicts_on([*map(approach_of, cases)], cases, results),
         device=device,
         settings=settings,
         unvibrated=unvibrated_words(_parameters(device), settings),

@@ -104,10 +104,9 @@ def cases_of(
     device: Parameters | StatedDevice,
     ensemble: Ensemble,
     *,
-    bases: bool = False,
     varied: Collection[str] = (),
 ) -> Starts:
-    """Return the cases of a device: its starts; on bases, too, if it states none or ``bases``.
+    """Return the cases of a device: its starts; on bases, too, if it states none.
 
     If the gripper's tilt is among the quantities that are ``varied``, the cases have no tilt.
     """
@@ -117,7 +116,7 @@ def cases_of(
     approaches = device.approaches(varied)
     if len(approaches) > 1:
         starts = [case for each in approaches for case in _approaching(each, starts)]
-    if device.base_is_stated and not bases:
+    if device.base_is_stated:
         return starts
     impacts: Sequence[float] = RESTITUTIONS
     if "contact_damping" in device.quantities:

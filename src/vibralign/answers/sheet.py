@@ -136,8 +136,6 @@ def _tried(result: "Assessment") -> str:
         "approach": len(result.approaches), "base": len(result.bases),
         "tilt of the gripper": len(result.tilts),
     }  # fmt: skip
-    if result.bases and sum(each.starts for each in result.bases) != result.starts:
-        del counts["base"]  # tried besides the stated one
     words = ", ".join(_counted(each, number) for each, number in counts.items() if number > 1)
     share = "all" if result.aligned == result.starts else f"{result.aligned:,} of"
     words = f"from {share} {result.starts:,} touch-downs tried{words and f': {words}'}"

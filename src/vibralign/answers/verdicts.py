@@ -13,8 +13,6 @@ from model.sweeps.starts import Starts
 from vibralign.answers.cases import OF_BASE, on_bases
 from vibralign.device import StatedDevice
 
-_SAME_TIME = 0.02  # relative difference below which two times count as equal
-
 
 class Base(NamedTuple):
     """Base that is tried.
@@ -61,13 +59,6 @@ class Verdict(NamedTuple):
     def times(self) -> tuple[float, float]:
         """Shortest and longest alignment time."""
         return self.tau_best, self.tau_worst
-
-    def agrees_with(self, other: "Verdict") -> bool:
-        """Return whether as many cases succeed, in the same time within 2 %."""
-        return self.aligned == other.aligned and all(
-            math.isnan(one) or abs(one - two) <= _SAME_TIME * two
-            for one, two in zip(self.times, other.times, strict=True)
-        )
 
 
 def verdicts_on(

@@ -69,7 +69,6 @@ def add(commands: Any) -> None:
         "limit of the file is exceeded; 2 bad input",
     )
     add = parser.add_argument
-    add("--bases", action="store_true", help="try the span of bases even if the base is stated")
     words = "exit with 1 unless, with 95 %% confidence, the yield is at least this, or the share "
     words += "of what is possible"
     add("--require", metavar="YIELD", help=words)
@@ -108,7 +107,7 @@ def _assess(arguments: argparse.Namespace) -> int:
     with ProgressLine() as line:
         if not needless:
             line.begin("starts, bases and leeways")
-            result = assess(stated or device, settings, ensemble, cores, bases=arguments.bases)
+            result = assess(stated or device, settings, ensemble, cores)
         if stated is not None and stated.tolerances:
             line.begin("devices within the tolerances")
             worst = result and stated.lowered(result.worst)
@@ -282,7 +281,6 @@ def _record(result: "Assessment", given: Inputs, settings: "Settings") -> dict[s
         "impact_speed": result.impact_speed * si.scale(units, SPEED) or None,  # it never lands
         "reliable": result.reliable,
         "depends_on_base": result.depends_on_base,
-        "rigid_from": result.rigid_from and result.rigid_from * si.scale(units, STIFFNESS),
         "change_as_stated": named,
         "tilt_range": ranged and asdict(ranged) | {"as_stated": texts(result, ranged)},
         "if_square": square and _of_verdict(square, units),

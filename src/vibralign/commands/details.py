@@ -1,6 +1,5 @@
 """Details of an assessment: what ``vibralign assess --details`` prints below its sheet."""
 
-import math
 from typing import TYPE_CHECKING
 
 from model.events.outcomes import SUCCESS_TEXT
@@ -51,8 +50,6 @@ def verdict_lines(
                 f"{head}; touch-downs from which it {verb}, alignment time, largest force:"
             )
             lines += in_columns([(*_of(each, units), *_row(each, units)) for each in verdicts])
-    if result.bases:
-        lines.append(_line("stiff bases", _stiff_bases(result, units)))
     return [*lines, si.natural_words(device, units)]
 
 
@@ -73,23 +70,6 @@ def _row(at: "Verdict", units: Units | None) -> tuple[str, ...]:
     if at.by_press:
         times += f" ({at.by_press} by the press alone)"
     return f"{at.aligned} of {at.starts}", times, si.in_words(at.force_most, FORCE, units)
-
-
-def _stiff_bases(result: "Assessment", units: Units | None) -> str:
-    stiffest = result.bases[-1].of.contact_stiffness
-    rigid, decided = (
-        f"from {si.in_words(each, STIFFNESS, units)} on" if each and each < stiffest else None
-        for each in (result.rigid_from, result.decided_from)
-    )
-    if rigid:
-        return f"neither the verdict nor the time (within 2 %) changes {rigid}"
-    if decided is None:
-        return "the verdict still changes at the stiffest base tried"
-    words = f"the verdict does not change {decided}"
-    if math.isnan(result.last_change):
-        return words
-    change = f"{100.0 * result.last_change:.2g} %"
-    return f"{words}; the time changes by {change} over the last step of stiffness"
 
 
 def leeway_lines(result: "Assessment") -> list[str]:

@@ -40,7 +40,7 @@ def refuse_options(arguments: argparse.Namespace, command: str, *names: str) -> 
 
 def assess_in_part(arguments: argparse.Namespace, given: Inputs, required: float | None) -> int:
     """Answer ``assess`` for a device with unknown quantities; return the exit code."""
-    refuse_options(arguments, "assess", "sheet", "bases")
+    refuse_options(arguments, "assess", "sheet")
     device = given.stated
     assert device is not None  # noqa: S101  (it has unknown quantities)
     if arguments.plot is not None:

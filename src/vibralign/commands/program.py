@@ -30,6 +30,7 @@ _GONE = {
         for name in ("runs", "show", "diff", "verify", "accept", "claims")
     },
     "arguments: --dimensionless": "vibralign.assess in Python returns dimensionless numbers",
+    "arguments: --bases": "leave the base out of the device file: assess then tries bases",
     "arguments: --invocations": "--invocations is --starts now",
     **{
         f"arguments: --{name}": f"--{name} is gone: filter what --json prints"

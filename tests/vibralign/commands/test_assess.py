@@ -1,7 +1,6 @@
 """``vibralign assess``: output, its units, and refusals."""
 
 import json
-import math
 import re
 import shlex
 from dataclasses import replace
@@ -23,7 +22,6 @@ from vibralign.answers.si import si_list
 from vibralign.answers.verdicts import Base, Verdict
 from vibralign.answers.yields import drawn
 from vibralign.commands import main as cli
-from vibralign.commands.details import verdict_lines
 from vibralign.commands.next_step import map_words
 from vibralign.commands.yields import yield_words
 from vibralign.device import load_device
@@ -139,18 +137,6 @@ def test_the_impact_that_is_taken_is_said_not_to_be_stated():
     fixed = load_device(PEG, {"approach_speed": "sudden", "fixture_stiffness": 3e5})
     rows = dict(sheet_rows(replace(found, device=fixed)))
     assert rows["not stated"].startswith("the base on its fixture, gripper_tilt: ")
-
-
-def test_stiff_bases_without_a_common_time_have_no_change_of_it():
-    """Restitutions have the same number of bases, but for the device's own: the stiffest here."""
-    own = Verdict(Base(4e3, None, own=True), 16, 3, 2.0, 3.0, 1.0, 1.5)
-    others = [own._replace(of=Base(k, 0.3), aligned=n) for k, n in ((1e3, 0), (2e3, 1))]
-    peg = load_device(PEG)
-    found = Assessment(16, 0, NAN, NAN, {}, bases=(own, *others))
-    assert math.isnan(found.last_change)
-    shown = "\n".join(verdict_lines(found, peg.units, peg.parameters, Settings()))
-    assert "stiff bases" in shown
-    assert "nan" not in shown.partition("stiff bases")[2]
 
 
 def test_a_part_with_chamfers_is_said_to_be_followed_up_to_these():
