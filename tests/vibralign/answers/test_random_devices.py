@@ -224,7 +224,7 @@ def limits_are_kept(folder: Path, number: int, devices: int) -> bool:
     force = float(run_devices(stated, values, cases, SETTINGS).force[0])
     free = {name: (0.5 * own[name], 2.0 * own[name]) for name in ("press_force", "tilt_stiffness")}
     wanted = replace(stated, free=free, limits={"contact_force": 1.2 * force})
-    found, _ = search(Trials(wanted, cases, SETTINGS, devices=devices), 2, 8)
+    found = search(Trials(wanted, cases, SETTINGS, devices=devices), 2, 8)
     if not found.feasible:
         return False
     there = stated.changed(**found.setting)
