@@ -58,7 +58,6 @@ from vibralign.device.limits import of_vibrator
 from vibralign.device.mouth import GRIPPER_TILT
 from vibralign.device.runs import AnyDevice, device_of, of_device, settings_for
 
-_HOPPING = 8  # number of cases whose touch-downs are examined
 _PAIRED = "press_force", "tilt_stiffness", "friction", "amplitude"  # changed two together
 
 
@@ -74,7 +73,6 @@ class Assessment(Value):
             a device of a file, with stiffness and restitution of a base that is not the device's.
         contact_force_max, tilt_max: largest value over all cases, the force at any place.
         separations: smallest and largest number of lift-offs over all cases.
-        impact_speed: largest closing rate at a touch-down, of the eight cases that lift off most.
         leeways: of the values in ``VARIED`` that are not 0, in SI units for a device of a file;
             empty if a case fails.
         nearest: nearest reliable values of these; empty if no case fails.
@@ -87,7 +85,6 @@ class Assessment(Value):
             a step (6 %) beyond the nearest reliable value, if that is reliable as well. It keeps
             the limits of the file, if any change tried does.
         change_exceeds: names of the limits that the change exceeds, since none tried keeps them.
-        if_square: verdict on a square part in its place; None if the shape is stated.
         tilts: verdicts on the gripper's tilts that are tried, its own first; empty if only one is.
         tilt_range: range of the gripper's tilt in which it succeeds in all other cases; None if
             only one tilt is tried, or the device fails at its own.
@@ -107,7 +104,6 @@ class Assessment(Value):
     contact_force_max: float = math.nan
     tilt_max: float = math.nan
     separations: tuple[int, int] = (0, 0)
-    impact_speed: float = 0.0
     leeways: tuple[Leeway, ...] = ()
     nearest: tuple[Nearest, ...] = ()
     bases: tuple[Verdict, ...] = ()
@@ -116,7 +112,6 @@ class Assessment(Value):
     cause: str = ""
     change: Mapping[str, float] = field(default_factory=dict)
     change_exceeds: tuple[str, ...] = ()
-    if_square: Verdict | None = None
     tilts: tuple[Verdict, ...] = ()
     tilt_range: Leeway | None = None
     approaches: tuple[Verdict, ...] = ()
@@ -211,8 +206,6 @@ def assess(
     found, units = from_every_start(device, as_stated(device), cases, settings, cores)
     results = {name: column[0] for name, column in found.items()}
     goes_in, tau, hops = results["goes_in"], results["tau_align"], results["separations"]
-    hopping = [i for i in np.argsort(-hops, kind="stable")[:_HOPPING] if hops[i] > 0]
-    runs = [_run_in(device, cases[i], settings) for i in hopping]
     tilts = [case.get(GRIPPER_TILT) for case in cases]
     if isinstance(device, StatedDevice):
         settings = device.run_settings(settings, units[0])
@@ -224,7 +217,6 @@ def assess(
         contact_force_max=float(np.fmax.reduce(results["contact_force_max"])),
         tilt_max=float(np.fmax.reduce(results["tilt_max"])),
         separations=(int(hops.min()), int(hops.max())),
-        impact_speed=max((impact_speed(run) for run in runs), default=0.0),
         bases=verdicts_on(bases_in(device, cases), cases, results),
         forces={place: float(np.fmax.reduce(results[name])) for place, name in FORCES.items()},
         inserted=ends_of((tau + results["tau_inserted"])[goes_in]),
@@ -250,7 +242,6 @@ def assess(
         )
     slowest_first = np.lexsort((-np.nan_to_num(tau + results["tau_inserted"]), goes_in))
     hardest = [cases[i] for i in slowest_first if approach_of(cases[i]) in (None, result.worst)]
-    result = replace(result, if_square=_if_square(lowered, ensemble, own, cores))
     if not vary:
         return result
     asked = _Asked(lowered, [without_approach(case) for case in hardest], own, cores)
@@ -311,21 +302,6 @@ def _run_in(
     return of_device(run, device) if isinstance(device, StatedDevice) else run
 
 
-def _if_square(
-    device: Parameters | StatedDevice, ensemble: Ensemble, settings: Settings, cores: int
-) -> Verdict | None:
-    """Return the verdict on a square part in place of one whose shape is not stated."""
-    if not isinstance(device, StatedDevice) or device.stated_shape is not None:
-        return None
-    square = replace(device, stated_shape="square")
-    settings = replace(settings, shape="square")
-    cases = cases_of(square, ensemble)
-    starts = [each for each in cases if math.isnan(each.get("level", math.nan))]
-    found, _ = from_every_start(square, as_stated(square), starts, settings, cores)
-    results = {name: column[0] for name, column in found.items()}
-    return verdicts_on(["square"] * len(starts), starts, results)[0]
-
-
 def _held(device: Parameters | StatedDevice, cases: Starts) -> tuple[str, ...]:
     """Return the quantities that the cases replace: those of the base, the gripper's tilt."""
     tilts = tuple(ADDED if GRIPPER_TILT in cases[0] else ())
@@ -333,17 +309,3 @@ def _held(device: Parameters | StatedDevice, cases: Starts) -> tuple[str, ...]:
         return tilts
     own_damping = "contact_damping" in device.quantities
     return ("contact_stiffness", *(() if own_damping else ("contact_damping",)), *tilts)
-
-
-def impact_speed(run: Trajectory) -> float:
-    """Return the largest closing rate of edge A1 at a touch-down, dimensionless; 0 without one."""
-    force = run.contact_force
-    landings = np.flatnonzero((force[:-1] == 0.0) & (force[1:] > 0.0) & (run.time[:-1] > 0.0))
-    edge = run.parameters.slot_half_width
-    rates = []
-    for x, y, tilt, x_rate, y_rate, tilt_rate in run.state[landings]:
-        # Velocity of the point of the part at the edge, across the bottom face.
-        point_x_rate = x_rate + tilt_rate * y
-        point_y_rate = y_rate + tilt_rate * (edge - x)
-        rates.append(point_x_rate * math.sin(tilt) - point_y_rate * math.cos(tilt))
-    return float(max([0.0, *rates]))

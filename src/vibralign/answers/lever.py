@@ -14,12 +14,11 @@ _STANDS = 0.01  # doubt of the lever that is worth a line
 
 
 def lever_words(parameters: Parameters, settings: Settings, units: Units | None) -> list[str]:
-    """Return lines on the lever of a part of the settings' shape, and of one of the other."""
+    """Return lines on the lever of a part of the settings' shape."""
     shape: Shape = settings.shape or "square"
-    other: Shape = "square" if shape == "round" else "round"
-    p, changed = constants_of(parameters, shape), constants_of(parameters, other)
-    own, of_other = (in_words(press_lever(each), LENGTH, units) for each in (p, changed))
-    lines = [f"{'lever':<16}{own} about {_PLACES[shape]}; if it were {other}, {of_other}"]
+    p = constants_of(parameters, shape)
+    lever = in_words(press_lever(p), LENGTH, units)
+    lines = [f"{'lever':<16}{lever} about {_PLACES[shape]}"]
     if shape == "round":
         down = _down(parameters, units)
         farthest = in_words(farthest_tilted(p) + down, LENGTH, units)
@@ -55,12 +54,10 @@ def lever_record(
 ) -> dict[str, float | str]:
     """Return shape, lever and farthest misalignment for --json, in SI units with ``units``."""
     shape: Shape = settings.shape or "square"
-    other: Shape = "square" if shape == "round" else "round"
     p, one = constants_of(parameters, shape), scale(units, LENGTH)
     return {
         "shape": shape,
         "lever": press_lever(p) * one,
-        f"lever_if_{other}": press_lever(constants_of(parameters, other)) * one,
         "farthest_tilted": (farthest_tilted(p) + _down(parameters, units)) * one,
         "lever_doubt": lever_doubt(p) if shape == "round" else 0.0,
     }

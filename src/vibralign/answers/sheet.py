@@ -99,8 +99,9 @@ def part_words(stated: StatedDevice) -> str:
 
     play = 2.0 * given["clearance"] * given["half_width"]
     gap = written_words("play", play, stated, DIGITS)
+    assumed = " (not stated)" if stated.stated_shape is None else ""
     return (
-        f"{stated.shape}, {words('half_width', 'diameter', times=2.0)} by "
+        f"{stated.shape}{assumed}, {words('half_width', 'diameter', times=2.0)} by "
         f"{words('half_height', 'length', times=2.0)}, play {gap}, "
         f"{words('misalignment')} beside the hole"
     )
@@ -138,10 +139,7 @@ def _tried(result: "Assessment") -> str:
     }  # fmt: skip
     words = ", ".join(_counted(each, number) for each, number in counts.items() if number > 1)
     share = "all" if result.aligned == result.starts else f"{result.aligned:,} of"
-    words = f"from {share} {result.starts:,} touch-downs tried{words and f': {words}'}"
-    if result.if_square is not None:
-        words += f"; if it is square, from {result.if_square.aligned} of {result.if_square.starts}"
-    return words
+    return f"from {share} {result.starts:,} touch-downs tried{words and f': {words}'}"
 
 
 def _followed(stated: StatedDevice | None, settings: Settings) -> str:
@@ -252,8 +250,6 @@ def _not_stated(result: "Assessment", stated: StatedDevice) -> str:
         open_ones["the base on its fixture" if fixed else "the base"] = result.bases
     if GRIPPER_TILT not in stated.quantities:
         open_ones[GRIPPER_TILT] = result.tilts
-    if stated.stated_shape is None:
-        open_ones["shape"] = ()
     impact = ""
     if stated.base_is_stated and not stated.quantities.keys() & {"restitution", "contact_damping"}:
         taken = restitution_at(stated.parameters, stated.shape)

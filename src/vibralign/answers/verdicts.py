@@ -32,8 +32,7 @@ class Verdict(NamedTuple):
     """Results of a device in some cases; dimensionless.
 
     Attributes:
-        of: what the cases have in common: an ``Approach``, a ``Base``, a gripper's tilt in rad, a
-            shape.
+        of: what the cases have in common: an ``Approach``, a ``Base``, a gripper's tilt in rad.
         starts: number of cases.
         aligned: number of cases in which the device succeeds.
         tau_best, tau_worst: shortest and longest alignment time of these, NaN without any.
@@ -64,7 +63,7 @@ class Verdict(NamedTuple):
 def verdicts_on(
     each_of: Sequence[Any], cases: Starts, results: Mapping[str, NDArray[Any]]
 ) -> tuple[Verdict, ...]:
-    """Return a verdict on each approach, base, tilt or shape that cases have in common.
+    """Return a verdict on each approach, base or tilt that cases have in common.
 
     ``each_of`` has that of each case, or None: such a case counts in no verdict. ``results`` are
     those of one device by name, each of shape (cases,).

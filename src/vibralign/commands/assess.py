@@ -7,7 +7,7 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from model.physics.quantities import FORCE, SPEED, STIFFNESS, TIME
+from model.physics.quantities import FORCE, STIFFNESS, TIME
 from model.physics.tables import vars_of
 from model.physics.units import Units
 from vibralign.answers import si
@@ -267,7 +267,7 @@ def _record(result: "Assessment", given: Inputs, settings: "Settings") -> dict[s
         [asdict(each) | {"as_stated": texts(result, each)} for each in shown[name]]
         for name in ("leeways", "nearest")
     )
-    ranged, square = result.tilt_range, result.if_square
+    ranged = result.tilt_range
     named = {n: value_words(result, n, v) for n, v in result.change.items()}
     approaches = {n: getattr(result, n) for n in ("failing_approach", "worst")}
     return {
@@ -278,12 +278,10 @@ def _record(result: "Assessment", given: Inputs, settings: "Settings") -> dict[s
         "contact_force_max": result.contact_force_max * si.scale(units, FORCE),
         "forces": {place: each * si.scale(units, FORCE) for place, each in result.forces.items()},
         "inserted": [each * si.scale(units, TIME) for each in result.inserted],
-        "impact_speed": result.impact_speed * si.scale(units, SPEED) or None,  # it never lands
         "reliable": result.reliable,
         "depends_on_base": result.depends_on_base,
         "change_as_stated": named,
         "tilt_range": ranged and asdict(ranged) | {"as_stated": texts(result, ranged)},
-        "if_square": square and _of_verdict(square, units),
         **{n: [_of_verdict(each, units) for each in shown[n]]
            for n in ("bases", "tilts", "approaches")},
         **{n: each and each._asdict() for n, each in approaches.items()},

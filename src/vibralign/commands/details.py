@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 from model.events.outcomes import SUCCESS_TEXT
 from model.physics.parameters import Parameters
-from model.physics.quantities import ANGLE, FORCE, SPEED, STIFFNESS, TIME
+from model.physics.quantities import ANGLE, FORCE, STIFFNESS, TIME
 from model.physics.units import Units
 from vibralign.answers import si
 from vibralign.answers.forces import forces_words
@@ -26,10 +26,6 @@ def verdict_lines(
     """Return lines on lift-offs, tilt, lever, and every base, approach and tilt that is tried."""
     verb, (fewest, most) = SUCCESS_TEXT[settings.success], result.separations
     hops = f"{fewest} to {most}" if fewest != most else str(fewest)
-    if most:
-        speed = si.in_words(result.impact_speed, SPEED, units)
-        landed = f"touches down at up to {speed}" if result.impact_speed else "never lands again"
-        hops = f"{hops}; {landed}"
     lines = [_line("lift-offs", hops)]
     if result.forces:
         lines.append(_line("forces at most", forces_words(result.forces, units, settings)))
@@ -38,9 +34,6 @@ def verdict_lines(
     )
     lines += lever_words(device, settings, units)
     lines += wall_words(device, settings, result.tilt_max, units)
-    if result.if_square is not None and result.if_square.aligned:
-        times = si.range_words(*result.if_square.times, TIME, units)
-        lines.append(_line("if it is square", f"aligned in {times}"))
     for head, verdicts in (
         ("base, impact", result.bases), ("approach", result.approaches),
         ("gripper's tilt", result.tilts),
