@@ -19,7 +19,7 @@ FROZEN = {
     "vibralign.simulate": "parameters settings changes",
     "vibralign.align": "batch settings cores changes",
     "vibralign.sweep": "device settings points cores axes",
-    "vibralign.assess": "device settings ensemble cores bases vary",
+    "vibralign.assess": "device settings ensemble cores vary",
     "vibralign.Settings": """
         readings shape scene start insertion_depth horizon tolerance max_evaluations may_settle
         alignment_only
