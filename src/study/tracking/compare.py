@@ -131,7 +131,7 @@ def changed_verdicts(before: Path, after: Path) -> list[Difference]:
 
 
 def _verdicts(path: Path) -> dict[str, str]:
-    """Return the verdicts of a table by the first column; a TableError tells what is none."""
+    """Return the verdicts of a table by its first column; a TableError names a file without."""
     named = read_rows(path, "verdicts", lambda row: (next(iter(row.values())), row["verdict"]))
     return dict(named)
 

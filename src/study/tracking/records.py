@@ -3,7 +3,8 @@
 A run is a job of one start. Its name is the path of its log below ``logs/``: "chunk/fig06/0". Its
 record, a file ``*.run.json``, is an output of its rule and is written last, so that the outputs are
 complete if it exists. It holds what the run was made from and what it made: the hashes of its
-code, of its configuration, of its inputs and of its outputs.
+code, of its configuration, of its inputs and of its outputs; its start, time and memory; host,
+processor, versions of packages and state of the checkout.
 """
 
 import contextlib

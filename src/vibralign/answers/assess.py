@@ -84,7 +84,7 @@ class Assessment(Value):
             SI units for a device of a file; empty if none was found. A change of one parameter goes
             a step (6 %) beyond the nearest reliable value, if that is reliable as well. It keeps
             the limits of the file, if any change tried does.
-        change_exceeds: names of the limits that the change exceeds, since none tried keeps them.
+        change_exceeds: names of the limits that the change exceeds; empty if one tried keeps all.
         tilts: verdicts on the gripper's tilts that are tried, its own first; empty if only one is.
         tilt_range: range of the gripper's tilt in which it succeeds in all other cases; None if
             only one tilt is tried, or the device fails at its own.
@@ -162,7 +162,7 @@ class _Asked:
     settings: Settings
     cores: int
     limits: Mapping[str, float] = field(default_factory=dict)
-    also: "_Asked | None" = None  # what they have to hold in as well
+    also: "_Asked | None" = None  # further cases in which the devices have to be reliable
 
     def reliable(self, values: Values) -> NDArray[np.bool_]:
         found = are_reliable(
@@ -253,7 +253,7 @@ def assess(
     if cause is None:
         quicker = asked.roughly if own.tolerance < STATISTICAL_TOLERANCE else None
         return replace(result, leeways=leeways(lowered, asked.reliable, asked.late, held, quicker))
-    if result.worst is not None:  # of the other approaches, too
+    if result.worst is not None:  # in the cases of the other approaches, too
         asked = replace(asked, also=replace(asked, device=device, cases=cases))
     limits, beyond = _limits_of(lowered), tuple[str, ...]()
     near, change = _advice(cause, asked.within(limits), held)
@@ -278,7 +278,7 @@ def _advice(
 
 
 def _limits_of(device: Parameters | StatedDevice) -> dict[str, float]:
-    """Return the limits that advice has to keep; of the vibrator what the device needs already."""
+    """Return the limits that advice keeps; those of a vibrator no lower than what it does now."""
     if not isinstance(device, StatedDevice):
         return {}
     needs = of_vibrator(device.units.amplitude, device.quantities["frequency"])

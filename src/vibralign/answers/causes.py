@@ -50,7 +50,7 @@ def cause_of(run: Trajectory, shape: Shape) -> Cause:
 
 
 def in_words_of(shape: Shape, words: str) -> str:
-    """Return words of the paper on a slot as they are said of a part of this shape."""
+    """Return the paper's words, with a hole in place of the slot for a round part."""
     return words.replace("slot", "hole") if shape == "round" else words
 
 

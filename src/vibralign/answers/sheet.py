@@ -71,7 +71,7 @@ def sheet_rows(
     rows.append(("vibration", _vibration(result)))
     label = "reliable with" if result.failing_start is not None else "fails from"
     found = "; ".join(_borders(result)) or "nothing that was tried, within a factor of four"
-    found += "; each exceeds a limit" if result.change_exceeds else ""
+    found += "; each of these exceeds a limit" if result.change_exceeds else ""
     rows += [(label, found)] if result.leeways or result.nearest else []
     rows += more
     if stated is not None:
@@ -115,8 +115,8 @@ def change_words(result: "Assessment") -> str:
     with_it = "with both" if len(result.change) > 1 else "with it"
     said = f"{words}: {with_it}, it is reliable ({tried})"
     exceeded = ", ".join(result.change_exceeds)
-    none = "but no change tried keeps the limits"
-    return f"{said}, {none}: it exceeds that of {exceeded}" if exceeded else said
+    none = "no change that was tried keeps the limits"
+    return f"{said}; {none}: this one exceeds {exceeded}" if exceeded else said
 
 
 def value_words(result: "Assessment", name: str, value: float, digits: int = 4) -> str:
@@ -148,7 +148,7 @@ def _followed(stated: StatedDevice | None, settings: Settings) -> str:
         chamfered = stated is not None and stated.is_chamfered
         return f"; {FOLLOWED}" if chamfered else ""
     depth = in_words(depth_of(stated.parameters, settings), LENGTH, stated.units, DIGITS)
-    return f"; followed until {depth} deep"
+    return f"; followed to a depth of {depth}"
 
 
 def _counted(what: str, number: int) -> str:
@@ -253,8 +253,8 @@ def _not_stated(result: "Assessment", stated: StatedDevice) -> str:
     impact = ""
     if stated.base_is_stated and not stated.quantities.keys() & {"restitution", "contact_damping"}:
         taken = restitution_at(stated.parameters, stated.shape)
-        impact = f"restitution, taken as {taken:.2g} from the model's damping, whatever the "
-        impact += "materials (metals: 0.6 to 0.9, plastics: 0.3 to 0.6): state it"
+        impact = f"restitution: the model's damping gives {taken:.2g}, whatever the materials are "
+        impact += "(metals: 0.6 to 0.9, plastics: 0.3 to 0.6), so state it"
     if not open_ones:
         return impact or "nothing: approach, base and gripper's tilt are stated"
     words = f"{impact and f'{impact}; '}{', '.join(open_ones)}: tried as above"

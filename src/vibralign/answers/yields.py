@@ -37,9 +37,9 @@ QUANTILES = (0.05, 0.5, 0.95)
 DEVICES = 4096  # a power of two
 DIGITS = 6  # of the values of a drawn device
 INDEX_POINTS = 256  # points of the Sobol' indices, a power of two
-INDEX_STARTS = 4, 12  # the indices take every fourth start, and at most so many
-STAGE = 64  # devices after which the yield is looked at first
-POOR, WIDE = 0.95, 0.1  # a yield that is surely lower is known well enough within this interval
+INDEX_STARTS = 4, 12  # the indices take every fourth start, and at most twelve
+STAGE = 64  # devices after which the yield is estimated first
+POOR, WIDE = 0.95, 0.1  # a yield is known if its interval is below POOR and narrower than WIDE
 WIDEST = 0.6  # interval of an index that is known
 _BLAMED = 0.05  # index from which a tolerance is named
 
@@ -207,11 +207,11 @@ def yield_of(
         starts: None for those of the study, on every base if none is stated.
         settings: settings of the runs; None for the defaults, in the insertion scene.
         cores: number of threads.
-        devices: most devices drawn, a power of two. Fewer are drawn if the yield is surely below
-            ``POOR``, known within ``WIDE``, and not ``required``.
+        devices: most devices drawn, a power of two. Fewer are drawn once the interval of the yield
+            is below ``POOR``, is narrower than ``WIDE``, and does not contain ``required``.
         seed: of the devices.
         indices: False to compute no Sobol' indices.
-        required: yield that is asked for, on which the answer has to decide.
+        required: yield that is asked for, None if none is.
         tell: called after each part with the number of runs done, and the most that are needed.
 
     Raises:
@@ -275,7 +275,7 @@ def yield_of(
 
 
 def _is_known(results: DeviceResults, required: float | None) -> bool:
-    """Return whether a yield is known well enough: surely poor, and on one side of ``required``."""
+    """Return whether a yield is known well enough: surely poor, and above or below ``required``."""
     counted = results.goes_in[~results.inside]
     low, high = interval(int(counted.sum()), counted.size)
     decided = required is None or not low < required < high

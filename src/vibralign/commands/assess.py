@@ -72,8 +72,8 @@ def add(commands: Any) -> None:
     words = "exit with 1 unless, with 95 %% confidence, the yield is at least this, or the share "
     words += "of what is possible"
     add("--require", metavar="YIELD", help=words)
-    words = "most devices drawn within the tolerances, a power of two (default: 4096); fewer if "
-    words += "the yield is surely below 95 %%, known within 10 %%, and not asked for by --require"
+    words = "most devices drawn within the tolerances, a power of two (default: 4096); fewer once "
+    words += "the interval of the yield is below 95 %%, narrower than 10 %% and without --require's"
     add("--devices", metavar="N", default="4096", help=words)
     words = "print below the sheet each approach, base and tilt, all leeways, and what is assumed"
     add("--details", action="store_true", help=words)
@@ -113,8 +113,8 @@ def _assess(arguments: argparse.Namespace) -> int:
             worst = result and stated.lowered(result.worst)
             stated = worst or in_worst_approach(stated, settings, ensemble, cores)
             cases = cases_of(stated, ensemble, varied=stated.tolerances)
-            said = "devices within the tolerances, fewer with a smaller --devices; until then: "
-            said += verdict_words(result) if result else needless
+            said = "of devices within the tolerances (fewer with a smaller --devices); the verdict "
+            said += f"until then: {verdict_words(result) if result else needless}"
             drawn, nearest = _drawn(
                 result, stated, cases, settings, cores,
                 devices=devices, required=required,
@@ -175,7 +175,7 @@ def _assess(arguments: argparse.Namespace) -> int:
         assert given.stated is not None  # noqa: S101  (``_check_paths``)
         with line, writing():
             line.begin("map of what goes in")
-            words = "map of what goes in; fewer if approach, base and gripper_tilt are stated"
+            words = "of the map (fewer if approach, base and gripper_tilt are stated)"
             line.forecast(sheet.runs_of_map(given.stated), words)
             if arguments.plot is not None:
                 sheet.write_plot(arguments.plot, given.stated, result, settings)
@@ -218,7 +218,7 @@ def headline(
     if drawn is None:
         return f"{words}; no tolerances are stated"
     words += f"; yield {yield_words(drawn)} under the tolerances"
-    return f"{words}, of which some {drawn_exceed}" if drawn_exceed else words
+    return f"{words}; some of the devices drawn {drawn_exceed}" if drawn_exceed else words
 
 
 def _required(

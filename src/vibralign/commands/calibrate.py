@@ -111,7 +111,8 @@ def report(found: "Calibration") -> list[str]:
     from vibralign.known.fit import BETTER, LEAST  # noqa: PLC0415  (scipy)
 
     fit, device = found.fit, found.device
-    words = f"trials of the model are as far out with a probability of {100.0 * fit.share:.3g} %"
+    share = f"{100.0 * fit.share:.3g} %"
+    words = f"trials made by the model are at least as far out with a probability of {share}"
     rival, odds = max(fit.rivals.items(), key=lambda each: each[1], default=("", 0.0))
     better = f"{rival} makes the trials {_factor(odds)} times as probable"
     if fit.fits:
@@ -119,13 +120,14 @@ def report(found: "Calibration") -> list[str]:
     elif fit.share < LEAST:
         words = f"THE MODEL DOES NOT FIT THESE TRIALS: {words} (less than {100.0 * LEAST:.2g} %)"
     else:
-        words = f"THE MODEL DOES NOT FIT THESE TRIALS: {better} ({BETTER:g} and more)"
+        words = f"THE MODEL DOES NOT FIT THESE TRIALS: {better} (the limit is {BETTER:g})"
     lines = [_line("fit", words), _line("device", device.source)]
     more, less = ("the model", "chance")[:: 1 if fit.odds > 0.0 else -1]
     words = f"{more} makes them {_factor(abs(fit.odds))} times as probable as {less} does"
     lines.append(_line("trials", f"{len(found.trials)}; {words}"))
     if odds > 0.0 and better not in lines[0]:
-        lines.append(_line("  rival", f"{better} (a misfit from {BETTER:g} times on)"))
+        words = f"{better} (from {BETTER:g} times on, the model does not fit)"
+        lines.append(_line("  rival", words))
     for number in fit.outside:
         share = f"{100.0 * fit.predicted[number]:.3g} %"
         text = f"{found.trials[number].words}: the other trials give it a probability of {share}"
@@ -175,7 +177,7 @@ def next_lines(after: "Next", found: "Calibration") -> list[str]:
         return [*lines, _line("next", "no trial is worth making")]
     best = after.trials[0].bits
     if best < NOISE:
-        lines.append(_line("next", f"no trial tells more than {NOISE} bits of the verdict"))
+        lines.append(_line("next", f"no trial would tell more than {NOISE} bits about the verdict"))
     told = [each for each in after.trials[:_LISTED] if each.bits >= NOISE]
     rows = [(each.words, f"{each.bits:.2f} bits", "") for each in told]
     for each in (one for one in after.bench if one.bits >= NOISE):

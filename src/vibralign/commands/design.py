@@ -32,8 +32,8 @@ if TYPE_CHECKING:
 
 _USUAL = {"generations": 10, "population": 16, "seed": 0, "devices": 1024}  # those of design
 _FEWER = (
-    "the search, if all settings go in; fewer with smaller --population, --generations and "
-    "--devices, or with a stated base"
+    "of the search, if all settings go in (fewer with smaller --population, --generations and "
+    "--devices, or with a stated base)"
 )
 
 
@@ -50,10 +50,10 @@ def add(commands: Any) -> None:
         "until alignment, the force until inserted. Each setting is tried quickly. Of the settings "
         "with which all devices within the tolerances go in, the best is the one whose nearest "
         "failure is farthest, then the fastest. It is checked as `vibralign assess` checks it; if "
-        "it does not hold, the next best is checked. An interrupt prints the best setting so far, "
-        "not checked, and writes nothing. If the file has ranges of unknown quantities, design "
-        "prints the setting that is reliable for most of what is possible (of these the fastest), "
-        "and what knowing everything would add.",
+        "it does not hold, the next best is checked. Interrupting the search prints the best "
+        "setting found so far, unchecked, and writes nothing. If the file has ranges of unknown "
+        "quantities, design prints the setting that is reliable for most of what is possible (of "
+        "several the fastest), and what knowing everything would add.",
         epilog="exit code: 0 a setting keeps the limits; 1 none of those tried does; 2 bad input",
     )
     add_model_options(parser, scene="insertion")

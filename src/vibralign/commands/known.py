@@ -95,7 +95,7 @@ def _details(device: "StatedDevice", given: Inputs) -> list[str]:
     settings = replace(given.settings, tolerance=precision)
     assumed = assumptions(device.parameters, settings, device)
     del assumed["touch-down"]  # of one run
-    words = f"of the middle of the ranges, forces and leeways: `{_of_middle(device)} --details`"
+    words = f"forces and leeways in the middle of the ranges: `{_of_middle(device)} --details`"
     return [*lines_of(assumed), _line("details", words)]
 
 
@@ -150,7 +150,7 @@ def _unknown_lines(device: "StatedDevice") -> list[str]:
 
 
 def possible_lines(found: "Possible", device: "StatedDevice", horizon: float) -> list[str]:
-    """Return the lines of the verdict over what is possible; the ``horizon`` of its runs in s."""
+    """Return the lines of the verdict over what is possible; ``horizon``: that of its runs in s."""
     low, high = found.interval
     share = f"{100.0 * found.share:.3g} %"
     words = f"reliable for {share} of what is possible"
@@ -164,9 +164,9 @@ def possible_lines(found: "Possible", device: "StatedDevice", horizon: float) ->
     tried = f"{found.reliable.size} sets of the unknowns, each from {found.touch_downs} touch-downs"
     lines = [_line("verdict", words), _line("tried", f"{tried} within the tolerances")]
     if found.undecided:
-        words = f"{100.0 * found.undecided:.3g} % of what is possible neither goes in nor stops "
-        words += f"within the horizon of {si_words(horizon, TIME)}: is it reliable with --horizon "
-        lines.append(_line("too short", f"{words}'{si_words(4.0 * horizon, TIME)}'?"))
+        words = f"too short for {100.0 * found.undecided:.3g} % of what is possible: "
+        words += f"the part still moves after {si_words(horizon, TIME)}; try --horizon "
+        lines.append(_line("horizon", f"{words}'{si_words(4.0 * horizon, TIME)}'"))
     longest = found.longest[found.reliable]
     if longest.size:
         import numpy as np  # noqa: PLC0415  (as above)

@@ -53,9 +53,10 @@ def exceeded_words(results: "Sequence[LimitResult]", *, only_drawn: bool) -> str
 
 
 def _against(result: "LimitResult") -> str:
-    sign = ">" if result.exceeding is not None else "of"
-    limit = _limit(result)
-    return f"where {limit} is asked" if result.name == "vibration" else f"{sign} {limit}"
+    exceeds = result.exceeding is not None
+    if result.name == "vibration":
+        return "although the file says not needed" if exceeds else "as the file allows"
+    return f"{'>' if exceeds else 'of'} {_limit(result)}"
 
 
 def _limit(result: "LimitResult") -> str:

@@ -200,7 +200,8 @@ def _safest(dataset: "xr.Dataset", stated: StatedDevice | None) -> str:
     named: dict[str, object] = {
         n: f"{v:.4g}" if stated is None else written_words(n, v, stated) for n, v in node
     }
-    return f"{' '.join(set_options(named).values())}, amid reliable nodes: assess it"
+    words = "farthest inside the reliable area; check it with assess"
+    return f"{' '.join(set_options(named).values())}, {words}"
 
 
 def _report(dataset: "xr.Dataset", stated: StatedDevice | None) -> list[str]:
@@ -216,10 +217,8 @@ def _report(dataset: "xr.Dataset", stated: StatedDevice | None) -> list[str]:
     ]
     meet = float((dataset["tau_align"] == 0.0).mean())
     if stated is not None and stated.is_chamfered and meet:
-        words = (
-            "the chamfers meet, or it starts inside; whether the press slides it in, and how far, "
-        )
-        rows.append(("at once", f"{100.0 * meet:.3g} %: {words}is said by assess"))
+        words = f"at {100.0 * meet:.3g} % the chamfers meet, or the part starts inside; "
+        rows.append(("at once", f"{words}assess says whether the press slides it in, and how far"))
     force = dataset["contact_force_max"].where(dataset["outcome"] == success)
     if force.notnull().any():
         least, most = float(force.min()), float(force.max())

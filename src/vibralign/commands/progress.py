@@ -29,15 +29,15 @@ class ProgressLine(logging.Handler):
         self._show(step)
 
     def forecast(self, runs: int, words: str) -> None:
-        """Say once a step how many minutes so many runs take, if that is half a minute or more.
+        """Say once in a step how long these runs take, if that is half a minute or longer.
 
-        They take as long as those of this step, or of the one before.
+        The rate is that of the runs of this step, or of the step before if it has none yet.
         """
         minutes = runs / max(self._runs_a_second(), 1e-3) / 60.0
         if minutes >= _LONG and not self._forecast:
             self._forecast = True
             clear = "\r\033[K" if self._terminal else ""
-            said = f"vibralign: up to {minutes:.2g} min, {runs:,} runs: {words}"
+            said = f"vibralign: up to {minutes:.2g} min for {runs:,} runs {words}"
             print(f"{clear}{said}", file=sys.stderr, flush=True)
 
     def _runs_a_second(self) -> float:

@@ -63,16 +63,16 @@ def write_plot(path: Path, stated: StatedDevice, result: Assessment, settings: S
 
 
 def runs_of_map(stated: StatedDevice) -> int:
-    """Return about how many runs a map takes at most: of its nodes, and in all cases of a few."""
+    """Return about how many runs a map takes at most: one a node, and all cases at some nodes."""
     return _COUNT**2 + (_COUNT // 2 + 1) ** 2 * len(cases_of(stated, Ensemble()))
 
 
 def _map(
     stated: StatedDevice, names: Sequence[str], result: Assessment, settings: Settings
 ) -> xr.Dataset:
-    """Return a map over the first two of these quantities, without doubts of its far ends.
+    """Return a map over the first two of these quantities, without warnings on its far ends.
 
-    Where no change that was tried helps, it is that of ``ranges_to_look``.
+    Where no change that was tried helps, it covers the ranges of ``ranges_to_look``.
     """
     helpless = result.failing_start is not None and not result.change
     ranges = (ranges_to_look(stated) if helpless else {}) | dict(stated.free)

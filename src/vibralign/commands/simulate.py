@@ -128,13 +128,13 @@ def _within(value: float, error: float) -> str:
     return f"{value:.{places}f} ± {error:.1g}"
 
 
-_SCENE = "alignment: no further than that; --scene insertion goes on into the hole, as assess does"
+_SCENE = "alignment: the run ends there; --scene insertion goes on into the hole, as assess does"
 
 
 def _report(run: Trajectory, units: Units | None, settings: Settings, scene: str = "") -> list[str]:
     """Return the printed lines on a run: words and SI units, or variable names without units.
 
-    ``scene`` says how far it is followed, if it can be followed further.
+    ``scene`` says how far the part is followed, if it can be followed further.
     """
     aligned = not math.isnan(run.tau_align)
     message = in_words_of(settings.shape or "square", run.message)

@@ -107,7 +107,7 @@ def yield_lines(
 
 def _approach(stated: "StatedDevice") -> str:
     """Return the approach with which devices are drawn."""
-    return ", lowered " + str(stated.approaches()[0]) if stated.approaches() else ""
+    return f", with the approach {stated.approaches()[0]}" if stated.approaches() else ""
 
 
 def _share(index: float) -> str:

@@ -219,9 +219,8 @@ def _lever(given: Mapping[str, float], device: Device, shape: Shape) -> Iterator
             f"soft base: at contact_stiffness = {given['contact_stiffness']:.4g} N/m, stated or "
             "assumed, the contact yields so much that the lever of the press may be "
             f"{100.0 * doubt:.0f} % longer: {DISTRUSTED}: state the measured contact_stiffness "
-            f"if it is above {given['contact_stiffness'] * doubt / _DOUBTED:.3g} N/m; below, the "
-            "lever is longer still, and nothing is known: widen the play, or reduce press_force or "
-            "amplitude"
+            f"if it is above {given['contact_stiffness'] * doubt / _DOUBTED:.3g} N/m; if it is "
+            "below, the lever is longer still: widen the play, or reduce press_force or amplitude"
         )
 
 

@@ -273,7 +273,7 @@ class StatedDevice(Value):
 
     @property
     def needed_in_part(self) -> str:
-        """What is neither stated nor unknown, though a device known in part needs it, in words."""
+        """Words on the lines that a device known in part needs, and that its file does not have."""
         is_missing = {
             "approach_speed: 10 mm/s": not self.sudden and "approach_speed" not in self.quantities,
             "vibrator: running (or still)": not self.sudden and self.vibrator is None,
@@ -281,7 +281,7 @@ class StatedDevice(Value):
             "contact_stiffness: 1 MN/m (or materials and edge_radius)": not self.base_is_stated,
         }
         lines = "; ".join(line for line, is_so in is_missing.items() if is_so)
-        words = "a share of what is possible needs these lines, or ranges of them below unknown"
+        words = "for a share of what is possible, add these lines, or ranges of them below unknown"
         return f"{words}: {lines}" if lines else ""
 
     def warn(self, at: Mapping[str, float] | None = None) -> None:

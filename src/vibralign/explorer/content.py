@@ -145,9 +145,9 @@ def page_model(
     inserts = "inserted" in interface["events"]  # as the page's engines do, whatever the settings
     return {
         "title": title,
-        "footer": f"Made by vibralign. Tolerance {settings.tolerance:g}, in maps 1e-08 or that, if "
-        "it is larger. One run without an estimate of its error; vibralign simulate gives that."
-        + (f" Assumed as the page opens: {said}." if said else ""),
+        "footer": f"Made by vibralign. Tolerance {settings.tolerance:g}, in maps "
+        f"{max(settings.tolerance, 1e-8):g}. The error of the run is not estimated here; vibralign "
+        "simulate does so." + (f" Assumed as the page opens: {said}." if said else ""),
         "origin": _NO_ORIGIN,
         "name": "",
         "units": units is not None,

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
 TOUCH_DOWNS = 16  # of a trial, a power of two
 _WAIT = 1.05  # of the longest time of the trials, until which runs are followed
-_AT_ONCE = 1e-4  # s, of a part that goes in before the vibrator sets in, and times count
+_AT_ONCE = 1e-4  # s, time of a part that goes in before the vibrator starts, when times begin
 _PILED = 0.05, 0.3  # share of a range at its end, and of the posterior there, that are worth a word
 
 
@@ -209,7 +209,7 @@ def calibrate(
                 each = (time.process_time() - began) / (number + 1)
                 tell(
                     f"setting {number + 1} of {len(groups)}: the first {FIRST} sets take "
-                    f"{each * len(groups):.0f} core-seconds, all some four to nine times as long"
+                    f"{each * len(groups):.0f} core-seconds, all sets four to nine times as long"
                 )
         first = False
         for row, found in stage.items():  # a stage counts when it is complete
@@ -222,7 +222,7 @@ def calibrate(
     few = values_of(samples.z[:FIRST], device.unknown)
     try:
         for words, model in () if samples.interrupted else rivals_of(device, table).items():
-            tell(f"a rival, {words}")
+            tell(f"rival: {words}")
             logs = [log_likelihood(table[i], x, horizon) for at, x in runs(few, model) for i in at]
             rivals[words] = np.sum(logs, axis=0)
     except KeyboardInterrupt:

@@ -24,22 +24,22 @@ from vibralign.known.possible import Sets
 from vibralign.known.posterior import Samples, normalised, quantiles
 from vibralign.known.trials import Trial
 
-LEAST = 0.02  # probability of trials as far out, below which the model does not fit
-BETTER = 3.0  # factor by which a rival makes them more probable, above which it does not either
+LEAST = 0.02  # probability of trials as far out below which the model does not fit
+BETTER = 3.0  # how much more probable a rival makes the trials where the model does not fit
 _SOFTER = 10.0  # factor by which the base of a rival is softer
 _SMALLEST = 1e-4  # of these probabilities: no trial counts for more
 OUTSIDE = 0.05  # probability of a result, from both ends, below which a trial is named
 
 
 Model = Callable[[StatedDevice, Sets], tuple[StatedDevice, Sets]]
-"""Device and sets of the unknowns as a model has them, from those of the file's."""
+"""From the device and the sets of the unknowns, those with which a rival is run."""
 
 
 class Fit(NamedTuple):
     """Fit of the model to the trials.
 
     Attributes:
-        share: probability that trials of the model are as far out as these.
+        share: probability that trials made by the model are at least as far out as these.
         odds: common logarithm of the evidence of the model over that of chance.
         predicted: probability of each trial's result as the others predict it, from both ends;
             of a failure, that of failing.

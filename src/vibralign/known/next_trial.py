@@ -33,7 +33,7 @@ from vibralign.known.settings import NOTHING, Setting, settings_in, try_settings
 CLASSES = 5  # of the times of a trial
 SETS = 128  # sets by which a trial is judged, a power of two
 COUNT = 16  # settings within the free ranges, a power of two
-NOISE = 0.02  # bits: of verdicts that are shuffled, 95 of 100 are told less
+NOISE = 0.02  # bits: a trial tells less of 95 in 100 shuffled verdicts
 _SMOOTH = 0.04  # share of all classes that the touch-downs tried have not shown
 
 # How an unknown is measured at the bench.

@@ -256,7 +256,7 @@ def distrusted(trials: Sequence[Trial], unknowns: Mapping[str, float]) -> list[s
         for doubt in each.device.changed(**unknowns).doubts
         if DISTRUSTED in doubt
     ]
-    more = [f"likewise {len(notes) - 1} more trials"] if len(notes) > 1 else []
+    more = [f"the same holds for {len(notes) - 1} more trials"] if len(notes) > 1 else []
     return [*notes[:1], *more]
 
 

@@ -208,7 +208,7 @@ def draw_settings(dataset: xr.Dataset, why: str = "") -> Figure:
     for name in (each for each in OF_VIBRATOR if each in beyond):
         over |= beyond[name]
     exceeded = [name for name, each in beyond.items() if (each & all_in & ~kept).any()]
-    exceeds = f"goes in, exceeds a limit: {', '.join(exceeded)}"
+    exceeds = f"goes in, but exceeds a limit: {', '.join(exceeded)}"
     with style.context():
         figure = style.new_figure(height=10.0 * style.CENTIMETRE)
         axes = figure.subplots()

@@ -56,7 +56,7 @@ def test_a_device_in_si_units_is_assessed_in_si_units(capsys, monkeypatch):
     assert row(shown, "device") == f"{PEG}, with contact_stiffness=300 kN/m: {part}"
     assert row(shown, "verdict") == "reliable at the stated values; no tolerances are stated"
     assert row(shown, "goes in") == (
-        "from all 48 touch-downs tried: 3 tilts of the gripper; followed until 1.67 mm deep"
+        "from all 48 touch-downs tried: 3 tilts of the gripper; followed to a depth of 1.67 mm"
     )
     times = r"[\d.]+ to [\d.]+ ms until aligned, [\d.]+ to [\d.]+ ms until inserted; from the touch"
     assert re.fullmatch(times, row(shown, "time"))
@@ -132,7 +132,8 @@ def test_the_impact_that_is_taken_is_said_not_to_be_stated():
     assert dict(sheet_rows(replace(found, device=stated)))["not stated"].startswith("nothing")
     assert restitution_at(stated.parameters, "square") == pytest.approx(0.4)
     bare = load_device(PEG, own)
-    taken = f"restitution, taken as {restitution_at(bare.parameters, 'square'):.2g} from the model"
+    taken = restitution_at(bare.parameters, "square")
+    taken = f"restitution: the model's damping gives {taken:.2g}"
     assert dict(sheet_rows(replace(found, device=bare)))["not stated"].startswith(taken)
     shown = dict(sheet_rows(replace(found, device=replace(bare, stated_shape=None))))["device"]
     assert ": round (not stated), 10 mm by " in shown
@@ -212,7 +213,7 @@ def test_a_limit_of_the_file_is_kept_or_exceeded(capsys, tmp_path):
     shown = said(capsys, *line, "--require", "0.5", code=cli.FAILED)
     value = r"[\d.]+ m?s"
     words = rf"reliable at the stated values, but exceeds the limit of time \({value} > 5 ms\)"
-    words += r" and of vibration \(needed where not needed is asked\)"
+    words += r" and of vibration \(needed although the file says not needed\)"
     assert re.search(rf"^verdict +{words}; yield 100 %", shown, re.MULTILINE)
     lines = r"  contact_force  limit 90 N +[\d.]+ N as stated +[\d.]+ N of all drawn +kept\n"
     lines += rf"  time           limit 5 ms +{value} as stated +{value} of all drawn +exceeded\n"
@@ -243,7 +244,7 @@ def test_a_limit_that_only_drawn_devices_exceed_is_said_so(capsys, tmp_path):
     between = 0.5 * (time["itself"] + time["drawn"])
     path = with_limits(tmp_path, f"time: {between!r}")
     verdict = said(capsys, *line, path, code=cli.FAILED).splitlines()[1]
-    words = "confidence) under the tolerances, of which some exceed the limit of time ("
+    words = "confidence) under the tolerances; some of the devices drawn exceed the limit of time ("
     assert verdict.startswith("verdict         reliable at the stated values; yield 100 %")
     assert words in verdict
 

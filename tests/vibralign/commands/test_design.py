@@ -211,5 +211,5 @@ def test_a_search_says_how_long_it_takes_at_most(capsys, peg, monkeypatch):
     path = peg("contact_force: 60 N")
     assert cli.main(["design", "--device", path, *QUICK, *BASE]) == cli.DONE
     told = capsys.readouterr().err
-    runs, minutes = re.search(r"up to (\S+) min, ([\d,]+) runs: the search", told).group(2, 1)
+    runs, minutes = re.search(r"up to (\S+) min for ([\d,]+) runs of the search", told).group(2, 1)
     assert float(minutes) == pytest.approx(int(runs.replace(",", "")) / 120.0, rel=0.05)

@@ -68,6 +68,6 @@ def test_a_long_step_is_announced_once_by_the_runs_before(capsys, monkeypatch):
         engine.PROGRESS.info("%d of %d runs", 1000, 1000)  # in 100 s: 10 a second
         line.begin("map")
         line.forecast(299, "too short to say")
-        line.forecast(1200, "a map")
+        line.forecast(1200, "of a map")
         line.forecast(1200, "said already")
-    assert capsys.readouterr().err == "vibralign: up to 2 min, 1,200 runs: a map\n"
+    assert capsys.readouterr().err == "vibralign: up to 2 min for 1,200 runs of a map\n"

@@ -299,7 +299,7 @@ def test_a_contact_that_yields_as_much_as_the_lever_is_doubted():
     )
     (doubt,) = (each for each in soft if each not in firm)
     assert doubt.startswith(f"soft base: at contact_stiffness = {0.99 * at_half:.4g} N/m, stated")
-    assert "below, the lever is longer still, and nothing is known: widen the play" in doubt
+    assert "if it is below, the lever is longer still: widen the play" in doubt
     assert "lever of the press may be 51 % longer: do not trust the verdict" in doubt
     assert f"contact_stiffness if it is above {at_half:.3g} N/m" in doubt
     square = {"contact_stiffness": 0.99 * at_half}

@@ -189,9 +189,8 @@ def test_a_map_of_the_misalignment_begins_where_chamfers_meet(tmp_path, capsys):
     line += ["--x", "misalignment", "0.5 mm", "3 mm", "--y", "press_force", "6 N", "7 N"]
     out = tmp_path / "map.nc"
     assert cli.main(["map", "--device", str(PEG), *line, "--out", str(out)]) == cli.DONE
-    assert (
-        "\nat once        50 %: the chamfers meet, or it starts inside; " in capsys.readouterr().out
-    )
+    words = "\nat once        at 50 % the chamfers meet, or the part starts inside; "
+    assert words in capsys.readouterr().out
     with xr.open_dataset(out) as found:
         assert (found["tau_align"].values[:, 0] == 0.0).all()
         assert not (found["tau_align"].values[:, 1] == 0.0).any()

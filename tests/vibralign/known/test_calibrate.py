@@ -108,7 +108,7 @@ def test_what_is_noise_is_not_proposed(bits):
     trials = Worth("10 N", bits, {}), Worth("12 N", 0.01, {})
     bench = Worth("measure friction", 0.26, {}), Worth("measure mass", 0.01, {})
     text = "\n".join(next_lines(Next({}, 0.5, math.nan, trials, bench), None))
-    assert ("no trial tells more than 0.02 bits" in text) == (bits < 0.02)
+    assert ("no trial would tell more than 0.02 bits" in text) == (bits < 0.02)
     assert ("10 N" in text) == ("worth 2.6 trials" in text) == (bits > 0.02)
     assert "measure friction  0.26 bits" in text
     assert not any(each in text for each in ("12 N", "mass"))
@@ -144,4 +144,4 @@ def test_an_interrupt_leaves_what_there_is():
         assert lines[0].startswith(f"fit             {first}")
         (said,) = (each for each in lines if "a soft base makes the trials" in each)
         assert (said == lines[0]) == (odds > 0.45)
-        assert ("a misfit from 3 times on" in said) == (odds < 0.45)
+        assert ("from 3 times on, the model does not fit" in said) == (odds < 0.45)

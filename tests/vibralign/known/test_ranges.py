@@ -171,8 +171,8 @@ def test_a_share_that_only_the_horizon_limits_is_said(tmp_path, capsys):
     """At a horizon of 40 ms nothing is in; the slowest set takes 282 ms (horizon not reached)."""
     path = device_file(tmp_path)
     assert cli.main(["assess", "--device", str(path), "--horizon", "40 ms"]) == cli.DONE
-    words = "too short       100 % of what is possible neither goes in nor stops within the horizon"
-    assert f"{words} of 40 ms: is it reliable with --horizon '160 ms'?" in capsys.readouterr().out
+    words = "too short for 100 % of what is possible: the part still moves after 40 ms; "
+    assert f"horizon         {words}try --horizon '160 ms'\n" in capsys.readouterr().out
     device, settings = replace(load_device(path), horizon=0.04), Settings(scene=INSERTION)
     few = {"sets": 8, "touch_downs_tried": 4}
     assert known_in_part(device, settings, **few).undecided == 1.0

@@ -111,4 +111,4 @@ def test_trials_on_a_base_too_soft_for_the_model_are_noted(tmp_path):
     first, more = distrusted(trials, {"contact_stiffness": 1e4})
     assert first.startswith("row 2 (frequency = 60 Hz")
     assert "do not trust the verdict" in first
-    assert more == "likewise 4 more trials"
+    assert more == "the same holds for 4 more trials"

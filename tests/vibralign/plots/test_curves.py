@@ -92,7 +92,7 @@ def test_the_legend_of_settings_names_only_what_occurs():
     words = [text.get_text() for text in axes.get_legend().get_texts()]
     title = axes.get_legend().get_title().get_text()
     assert title == "limits: contact_force 40 N, time 300 ms, stroke 2 mm"
-    assert words.pop(2) == "goes in, exceeds a limit: contact_force"
+    assert words.pop(2) == "goes in, but exceeds a limit: contact_force"
     words = [text.partition(",")[0] for text in words]
     over = "not tried: exceeds a limit of the vibrator"
     assert words == ["does not go in", over, "goes in and keeps the limits", "recommended"]
