@@ -120,13 +120,14 @@ def _ends_of_axis(swept: Floats, aligned: Bools) -> tuple[float, float, str]:
 def _ends_of_durations(durations: Floats) -> tuple[float, float, float]:
     """Return the ends of the axis of durations, and the longest duration.
 
-    A few durations far longer than all others lie beyond the axis: they would flatten the curves.
+    The axis reaches the longest duration if nearly all others still fill half of it. Else it
+    reaches the longest of those that are not longer than nearly all others by more than a half.
     """
     if not durations.size:
         return 0.0, 1.0, 0.0
     longest, usual = float(durations.max()), float(np.quantile(durations, _NEARLY_ALL))
-    top = 1.05 * longest if longest < 1.5 * usual else 1.25 * usual
-    return 0.0, top or 1.0, longest
+    shown = durations if longest <= 2.0 * usual else durations[durations <= 1.5 * usual]
+    return 0.0, 1.05 * float(shown.max()) or 1.0, longest
 
 
 def _curve_axes(rows: int, with_strip: bool) -> tuple[Figure, Axes, Axes | None]:

@@ -53,6 +53,18 @@ def test_a_curve_that_is_longer_than_the_axis_has_an_arrow_there():
     assert arrow.get_color() == curve_lines(axes)[1].get_color()
 
 
+@pytest.mark.parametrize(
+    ("long", "top"),
+    [([3.9, 2.8], 3.9), ([4.1, 2.8], 2.8), ([30.0, 2.8, 3.1], 2.8), ([30.0], 2.0)],
+)
+def test_the_axis_of_durations_ends_where_the_usual_ones_fill_half_of_it(long, top):
+    """Nearly all durations are 2."""
+    durations = np.full((2, 60), 2.0)
+    durations[1, : len(long)] = long
+    axes = curves(grid("curves", "tilt_stiffness", "press_force", durations)).axes[0]
+    assert axes.get_ylim() == pytest.approx((0.0, 1.05 * top))
+
+
 def test_a_long_end_of_the_axis_on_which_nothing_aligns_is_cut_off():
     durations = np.full((2, 19), 2.0)  # every half from 0.25 to 9.25
     durations[:, 10:], durations[0, 9] = NAN, NAN
