@@ -22,6 +22,7 @@ from study.plans import sweep_of
 
 BUILT = sweep_of(load_study(study_path()), "fig06").variables
 PAGE = (Path(__file__).parents[2] / "docs/paper.md").read_text(encoding="utf-8")
+WORDS = " ".join(PAGE.split())
 
 
 @pytest.fixture(scope="module")
@@ -76,8 +77,8 @@ def test_the_page_lists_the_entries_that_are_not_shown_and_counts_the_others(fig
         entry for entry, is_shown in shown.items() if not is_shown
     )
     of = [claim.id for claim in CLAIMS if claim.is_conclusion]
-    assert f"shows {sum(shown.values())} of {len(shown)} entries" in PAGE
-    assert f"{sum(shown[entry] for entry in of)} of the {len(of)} that carry parts of" in PAGE
+    assert f"shows {sum(shown.values())} of {len(shown)} entries" in WORDS
+    assert f"{sum(shown[entry] for entry in of)} of the {len(of)} that carry parts of" in WORDS
 
 
 def test_the_page_counts_what_random_devices_show(study) -> None:
@@ -85,7 +86,7 @@ def test_the_page_counts_what_random_devices_show(study) -> None:
     most = found.counts.max()
     best = (found.counts == most).sum()
     words = f"the median shows {np.median(found.counts):g} and the best {best} show {most}"
-    assert f"Of {len(found.counts)} devices drawn at random {words}" in PAGE
+    assert f"Of {len(found.counts)} devices drawn at random {words}" in WORDS
     for entry in ("L02", "L13", "L15"):  # next to none
         assert found.shares[entry] <= 0.05
 
@@ -98,8 +99,8 @@ def test_the_page_counts_what_other_devices_show(study) -> None:
         int((verdicts_of(each, [others[name]], grid)[0] == VERDICTS.index("shown")).sum())
         for each, name in ((space, "narrow"), (space, "unlimited"), (then_vibrated, "unlimited"))
     )
-    assert f"shows {later} entries in place\n  of {wide} on the grid" in PAGE
-    assert f"so shows {narrow} entries on the grid" in PAGE
+    assert f"shows {later} entries in place of {wide} on the grid" in WORDS
+    assert f"so shows {narrow} entries on the grid" in WORDS
 
 
 def test_the_page_counts_what_the_search_by_half_of_the_entries_shows(study) -> None:
@@ -108,12 +109,12 @@ def test_the_page_counts_what_the_search_by_half_of_the_entries_shows(study) -> 
     shown = verdicts_of(space_of(study), [device], study.evidence.grid)[0] == 0
     unseen = np.array([claim.id not in judged for claim in CLAIMS])
     count = shown[unseen].sum()
-    assert f"shows {count} of the {unseen.sum()} entries held out" in PAGE
-    assert f"shows only {shown[~unseen].sum()} of the {(~unseen).sum()} that it judged" in PAGE
+    assert f"shows {count} of the {unseen.sum()} entries held out" in WORDS
+    assert f"shows only {shown[~unseen].sum()} of the {(~unseen).sum()} that it judged" in WORDS
     usual = np.median(random[:, unseen].sum(axis=1))
     as_many = (random[:, unseen].sum(axis=1) >= count).mean()
-    words = f"random devices show {usual:g} of them in the\nmedian, and {as_many:.0%} show as many"
-    assert words.replace("%", " %") in PAGE
+    words = f"random devices show {usual:g} of them in the median, and {as_many:.0%} show as many"
+    assert words.replace("%", " %") in WORDS
 
 
 def test_the_page_lists_the_limits_that_are_missed(study, regimes) -> None:
@@ -141,7 +142,7 @@ def test_the_page_lists_the_limits_that_are_missed(study, regimes) -> None:
     assert not [n for n, r in regimes.items() if r.corners < limits.corners - 0.005]
     assert np.mean([r.not_resting for r in regimes.values()]) <= limits.not_resting
     sizes = sum(missed(limits, name, regime) for name, regime in regimes.items())
-    assert f"misses the limits by {sizes:.2f} of their sizes in all" in PAGE
+    assert f"misses the limits by {sizes:.2f} of their sizes in all" in WORDS
 
 
 def share(runs, name, kept) -> float:
@@ -341,23 +342,23 @@ NUMBERS = {
 
 @pytest.mark.parametrize("words", NUMBERS)
 def test_the_page_says_what_the_figures_show(figures, regimes, words) -> None:
-    assert words in " ".join(PAGE.split())
+    assert words in WORDS
     assert NUMBERS[words](figures, regimes)
 
 
 def test_unsmoothed_the_rise_of_fig_6_is_shown_and_the_fall_is_not(figures, monkeypatch) -> None:
-    assert "Unsmoothed the device would show L23, and not L22" in PAGE
+    assert "Unsmoothed the device would show L23, and not L22" in WORDS
     found = unsmoothed(figures, monkeypatch)
     assert (found["L23"], found["L22"]) == ("shown", "not shown")
 
 
 def test_the_page_says_what_the_limits_cost(study, figures) -> None:
-    space, page = space_of(study), " ".join(PAGE.split())
+    space = space_of(study)
     device, own = study.evidence.others["unlimited"], own_values(study, space)
     found, ours = found_for(space, device, own_grid(study)), shown_by(figures)
     shown = shown_by(found)
-    assert f"shows {len(shown)} of 30 entries on the study's own grids, where ours" in page
-    assert f"A search without limits ended at {len(shown)}, and misses them by about 7." in page
+    assert f"shows {len(shown)} of 30 entries on the study's own grids, where ours" in WORDS
+    assert f"A search without limits ended at {len(shown)}, and misses them by about 7." in WORDS
     assert [each for each in shown if each not in ours] == ["L06", "L07", "L11", "L27"]
     assert not {*ours} - {*shown}
     assert near(numbers_of(found, "L13")["all"], 0.902, within=5e-4)
@@ -366,27 +367,27 @@ def test_the_page_says_what_the_limits_cost(study, figures) -> None:
     assert near(sizes, 7.0, within=0.7)  # 6.8 with the maps' own points
     fine = study.identification.grids["fine"]
     shown, ours = (shown_by(found_for(space, each, fine, figures_of)) for each in (device, own))
-    assert f"grid of the search it shows {len(shown)}, where ours shows {len(ours)}" in page
+    assert f"grid of the search it shows {len(shown)}, where ours shows {len(ours)}" in WORDS
     assert {*ours} - {*shown} == {"L13"}
 
 
 def test_the_page_says_what_the_press_does_alone(study, regimes) -> None:
     """A sudden press, a slow one, and one before the vibration."""
-    space, page = space_of(study), " ".join(PAGE.split())
+    space = space_of(study)
     pressed = space.settings.model_copy(update={"start": "pressed"})
     device, grid = own_values(study, space), own_grid(study)
     both = ("fig07", "fig13")
     at_once = [space.sweep(device, name, grid) for name in both]
     overshot = [overshoot_of(computed(sweep)) for sweep in at_once]
     assert near(overshot, 0.0, 0.05, within=0.006)
-    assert "0.17 of our Fig. 13 (0.05 by this overshoot" in page
+    assert "0.17 of our Fig. 13 (0.05 by this overshoot" in WORDS
     assert near(overshot[1] / regimes["fig13"].static, 0.28, within=0.03)
-    assert "in Fig. 13 all but 0.28 of them" in page
+    assert "in Fig. 13 all but 0.28 of them" in WORDS
     first = [each.model_copy(update={"settings": pressed}) for each in at_once]
     found = {each.name: regime_of(figure_of(computed(each))) for each in first}
     assert near([found[name].static for name in both], 0.0, 0.06, within=0.01)
     assert near([found["fig07"].aligned, regimes["fig07"].aligned], 0.60, 0.84)
-    assert "Pressed first it is 0.00 and 0.06. But then less aligns, 0.60 in place of 0.84" in page
+    assert "Pressed first it is 0.00 and 0.06. But then less aligns, 0.60 in place of 0.84" in WORDS
 
 
 def test_the_page_says_by_how_much_the_base_amplifies_the_force(study) -> None:
@@ -395,4 +396,4 @@ def test_the_page_says_by_how_much_the_base_amplifies_the_force(study) -> None:
         base = complex(held.contact_stiffness, held.contact_damping * nu)
         whole = base + 1.0 - nu**2 + 1j * damping * nu
         assert near(abs(base / whole), stated, within=0.05)
-    assert "3.6-fold with our $h_y$" in PAGE
+    assert "3.6-fold with our $h_y$" in WORDS
