@@ -278,7 +278,7 @@ def _advice(
 
 
 def _limits_of(device: Parameters | StatedDevice) -> dict[str, float]:
-    """Return the limits that advice keeps; those of a vibrator no lower than what it does now."""
+    """Return the limits that advice keeps, a vibrator's raised to what the device needs now."""
     if not isinstance(device, StatedDevice):
         return {}
     needs = of_vibrator(device.units.amplitude, device.quantities["frequency"])

@@ -248,7 +248,7 @@ def are_reliable(
         for name, each in of_vibrator(own["amplitude"], own["frequency"]).items():
             reliable &= each <= limits.get(name, math.inf)
     begin, cases = 0, in_turn(starts)
-    settings = settings if limits else settings.quickest  # no force is known then until inserted
+    settings = settings if limits else settings.quickest  # the quickest runs do not know all forces
     while begin < len(cases) and (left := np.flatnonzero(reliable)).size:
         some = cases[begin : 2 * begin + 1]
         tried = {name: column[left] for name, column in values.items()}

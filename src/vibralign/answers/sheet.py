@@ -114,9 +114,9 @@ def change_words(result: "Assessment") -> str:
     tried = "tried; 6 % further it is not" if result.change in borders else "tried"
     with_it = "with both" if len(result.change) > 1 else "with it"
     said = f"{words}: {with_it}, it is reliable ({tried})"
-    exceeded = ", ".join(result.change_exceeds)
+    exceeded = " and ".join(result.change_exceeds)
     none = "no change that was tried keeps the limits"
-    return f"{said}; {none}: this one exceeds {exceeded}" if exceeded else said
+    return f"{said}; {none}: this one exceeds the limit of {exceeded}" if exceeded else said
 
 
 def value_words(result: "Assessment", name: str, value: float, digits: int = 4) -> str:

@@ -73,7 +73,7 @@ def add(commands: Any) -> None:
     words += "of what is possible"
     add("--require", metavar="YIELD", help=words)
     words = "most devices drawn within the tolerances, a power of two (default: 4096); fewer once "
-    words += "the interval of the yield is below 95 %%, narrower than 10 %% and without --require's"
+    words += "the interval of the yield is below 95 %%, narrower than 10 %%, and excludes --require"
     add("--devices", metavar="N", default="4096", help=words)
     words = "print below the sheet each approach, base and tilt, all leeways, and what is assumed"
     add("--details", action="store_true", help=words)

@@ -176,7 +176,7 @@ def possible_lines(found: "Possible", device: "StatedDevice", horizon: float) ->
             _line("longest time", f"{times} until aligned (5, 50, 95 % of the reliable sets)")
         )
     if not found.reliable.any():
-        words = f"the cause in the middle of the ranges: `{_of_middle(device)}`"
+        words = f"see the cause in the middle of the ranges: `{_of_middle(device)}`"
         lines.append(_line("next", words))
     if "vibration" in device.limits:
         lines.append(_line("not checked", "the limit of vibration, over what is possible"))

@@ -25,7 +25,7 @@ from vibralign.known.posterior import Samples, normalised, quantiles
 from vibralign.known.trials import Trial
 
 LEAST = 0.02  # probability of trials as far out below which the model does not fit
-BETTER = 3.0  # how much more probable a rival makes the trials where the model does not fit
+BETTER = 3.0  # the model does not fit if a rival makes the trials so many times as probable
 _SOFTER = 10.0  # factor by which the base of a rival is softer
 _SMALLEST = 1e-4  # of these probabilities: no trial counts for more
 OUTSIDE = 0.05  # probability of a result, from both ends, below which a trial is named

@@ -288,7 +288,7 @@ def test_advice_keeps_the_limits_or_names_those_that_it_exceeds(monkeypatch):
     found = advised(monkeypatch, holds)
     assert found.change["amplitude"] > 1.3e-3
     assert found.change_exceeds == ("acceleration",)
-    words = "no change that was tried keeps the limits: this one exceeds acceleration"
+    words = "no change that was tried keeps the limits: this one exceeds the limit of acceleration"
     rows = dict(sheet_rows(found))
     assert rows["first to change"].endswith(words)
     assert rows["reliable with"].endswith("; each of these exceeds a limit")
