@@ -51,9 +51,11 @@ COMMANDS = {
     "`runs --parameter`, `--since`, `--until`, `--current`": {
         f"study runs --{each}": "filter what --json prints" for each in _FILTERS
     },
-    "`assess --dimensionless`": {
-        "vibralign assess --dimensionless": "in Python returns dimensionless numbers"
+    "`--dimensionless`": {
+        f"vibralign {each} --dimensionless": "in Python returns dimensionless numbers"
+        for each in ("assess", "simulate")
     },
+    "`simulate --animate`": {"vibralign simulate --animate run.html": "explore animates the run"},
     "`assess --bases`": {"vibralign assess --bases": "leave the base out of the device file"},
     "`--start` with `--device`": {
         f"vibralign {each} --device {PEG} --start pressed": "write vibrator: still"

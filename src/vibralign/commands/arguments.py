@@ -30,21 +30,16 @@ from vibralign.device.stated import FOLLOWED, QUANTITIES, quantity_of, unit_of
 from vibralign.device.unknown import refusal
 
 
-def add_model_options(
-    parser: Any, scene: str = "alignment", *, dimensionless: bool = False
-) -> None:
+def add_model_options(parser: Any, scene: str = "alignment") -> None:
     """Add the options of a device and its run, and end the help with the table of parameters.
 
-    ``scene`` is the default of --scene; ``dimensionless`` adds --dimensionless.
+    ``scene`` is the default of --scene.
     """
     parser.appendix = lambda: parameter_table(baseline())
     add = parser.add_argument
     words = "file of the device, with numbers in SI units or with units as in docs/peg.yaml; --set "
     words += "and --horizon are then read in the same way (12 N, 0.8 mm); answers are in SI units"
     add("--device", type=Path, metavar="FILE", help=words)
-    if dimensionless:
-        words = "print dimensionless values for a device in SI units, too"
-        add("--dimensionless", action="store_true", help=words)
     words = "set a parameter of the table below; may be repeated"
     add("--set", action="append", default=[], metavar="NAME=VALUE", dest="changes", help=words)
     words = "variant of all disputed equations of the paper (default: consistent)"

@@ -41,12 +41,11 @@ def _explore(arguments: argparse.Namespace) -> int:
     if settings.readings != Variants.consistent():
         raise ValueError(
             "explore: the page runs the consistent readings only; leave out --readings and "
-            "--reading, or use vibralign simulate --animate"
+            "--reading"
         )
     if settings.insertion_depth is not None:
         raise ValueError(
-            "explore: the page has the default depth only; leave out --insertion-depth, or use "
-            "vibralign simulate --animate"
+            "explore: the page has the default depth only; leave out --insertion-depth"
         )
     # Imported here: a second that only this command needs.
     from model.runs.in_browser import is_cached, module_for  # noqa: PLC0415

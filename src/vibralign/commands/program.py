@@ -29,7 +29,8 @@ _GONE = {
         f"vibralign: invalid choice: '{name}'": f"in a checkout it is `python -m study {name}`"
         for name in ("runs", "show", "diff", "verify", "accept", "claims")
     },
-    "arguments: --dimensionless": "vibralign.assess in Python returns dimensionless numbers",
+    "arguments: --dimensionless": "vibralign in Python returns dimensionless numbers",
+    "arguments: --animate": "vibralign explore animates the run, and runs it live",
     "arguments: --bases": "leave the base out of the device file: assess then tries bases",
     "arguments: --invocations": "--invocations is --starts now",
     **{

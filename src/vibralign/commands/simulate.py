@@ -2,7 +2,6 @@
 
 import argparse
 import math
-from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -18,7 +17,6 @@ from model.physics.units import Units
 from model.runs.settings import Settings
 from model.runs.simulate import Trajectory, simulate
 from model.runs.unvibrated import unvibrated_results, unvibrated_words
-from model.sweeps.files import write_text
 from model.sweeps.version import version
 from vibralign.answers.assumptions import assumptions, lines_of
 from vibralign.answers.causes import in_words_of
@@ -26,13 +24,8 @@ from vibralign.answers.forces import forces_words, tip_record, until
 from vibralign.answers.lever import lever_record, lever_words, wall_words
 from vibralign.answers.reliability import FORCES
 from vibralign.answers.si import in_words, natural_record, natural_words, rounded
-from vibralign.commands.arguments import (
-    Inputs,
-    add_model_options,
-    announce_compilation,
-    read_inputs,
-)
-from vibralign.commands.files import check_file, check_picture, writing
+from vibralign.commands.arguments import add_model_options, announce_compilation, read_inputs
+from vibralign.commands.files import check_picture, writing
 from vibralign.commands.program import add_command, add_json
 from vibralign.commands.tables import print_json
 from vibralign.device.runs import of_device
@@ -48,11 +41,9 @@ def add(commands: Any) -> None:
         ". With --device, values are read and printed in SI units, else dimensionless.",
         epilog="exit code: 0 the run ended, with any outcome; 1 it failed; 2 bad input",
     )
-    add_model_options(parser, dimensionless=True)
+    add_model_options(parser)
     words = "draw x, y, tilt and contact force over time into FILE (.png, .svg, .pdf and others)"
     parser.add_argument("--plot", type=Path, metavar="FILE", help=words)
-    words = "animate the run into FILE, a page (.html)"
-    parser.add_argument("--animate", type=Path, metavar="FILE", help=words)
     add_json(parser)
 
 
@@ -61,8 +52,6 @@ def _simulate(arguments: argparse.Namespace) -> int:
     units, parameters, settings = given.units, given.parameters, given.settings
     if arguments.plot is not None:
         check_picture(arguments.plot)
-    if arguments.animate is not None:
-        check_file(arguments.animate, "--animate", ["html"])
     announce_compilation()
     run = simulate(parameters, settings)
     run = run if given.stated is None else of_device(run, given.stated)
@@ -82,38 +71,15 @@ def _simulate(arguments: argparse.Namespace) -> int:
         lines.append(natural_words(parameters, units))
         lines.append(f"without vibration: {unvibrated_words(parameters, settings)}")
         lines += lines_of(assumed)
-        if units and arguments.dimensionless:
-            one = f"units: {units.time:.4g} s, {units.amplitude:.4g} m, {units.force:.4g} N"
-            lines += ["", "dimensionless:", *_report(run, None, settings)[1:], one]
         print("\n".join(lines))
-    in_units = None if arguments.dimensionless else units
     if arguments.plot is not None:
         # ValueError: the library for this format is missing.
         with writing(f"--plot {arguments.plot}", (OSError, ValueError)):
             from vibralign.plots.history import trajectory  # noqa: PLC0415  (as in check_picture)
             from vibralign.plots.style import write  # noqa: PLC0415
 
-            write(trajectory(run, in_units), arguments.plot)
-    if arguments.animate is not None:
-        page = _page(given, in_units, str(arguments.device or ""), assumed)
-        with writing(f"--animate {arguments.animate}"):
-            write_text(page, arguments.animate)
+            write(trajectory(run, units), arguments.plot)
     return int(run.outcome == Outcome.FAILED)
-
-
-def _page(given: Inputs, units: Units | None, file: str, assumed: Mapping[str, str]) -> str:
-    """Return the page that animates the run."""
-    # Imported here: modules that only a page needs.
-    from model.runs.in_browser import interface  # noqa: PLC0415
-    from model.runs.trace import trace_run  # noqa: PLC0415
-    from vibralign.explorer.content import device_model  # noqa: PLC0415
-    from vibralign.explorer.page import run_page  # noqa: PLC0415
-
-    parameters, settings = given.parameters, given.settings
-    table = interface(settings.scene, settings.shape or "square")
-    values = given.values if units else parameters.given()
-    model = device_model(values, units, file, settings, table, assumed=assumed)
-    return run_page(model, trace_run(parameters, settings))
 
 
 def _name(outcome: Any) -> str:

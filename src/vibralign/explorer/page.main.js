@@ -46,7 +46,7 @@ function rerun() {
   clearTimeout(otherTimer);
   runner?.stop("other");
   if (refusal) { runner?.stop("run"); writeInstead(`Not run: ${refusal}`, true); return; }
-  if (!runner) { if (run) show(run); return; }
+  if (!runner) return;
   const values = valuesOf(state, state.vibration);
   const done = runner.start("run", setOf(values), controlOf(values), (found) => {
     show({ ...found, results: judged(found.results, values), device: drawnDevice(values), values });
@@ -248,28 +248,20 @@ async function start() {
   listen();
   writeControls();
   const about = MODEL.interface;
-  if (MODEL.run) {
-    const numbers = new Float64Array(await unpacked(MODEL.run.track));
-    const track = trackOf(numbers, about.columns, MODEL.run.results.tracked);
-    run = { track, results: judged(MODEL.run.results, state.values), device: drawnDevice(state.values), values: state.values };
-    document.body.classList.add("only-run");
+  for (const [name, each] of Object.entries(MODEL.maps)) stored[name] = Object.assign(await storedMap(each), { values: /** @type {any} */ (each).values });
+  try {
+    const binary = await unpacked(MODEL.engine);
+    runner = new Runner(await engineOf(binary, about), binary, MODEL);
     rerun();
-  } else {
-    for (const [name, each] of Object.entries(MODEL.maps)) stored[name] = Object.assign(await storedMap(each), { values: /** @type {any} */ (each).values });
-    try {
-      const binary = await unpacked(MODEL.engine);
-      runner = new Runner(await engineOf(binary, about), binary, MODEL);
-      rerun();
-      mapper = new Mapper(binary, about, MODEL.worker, (found, done) => {
-        map = found;
-        if (done && !measured.map) measured.map = performance.now() - mapStarted;
-        if (!mapFrame) mapFrame = requestAnimationFrame(() => { mapFrame = 0; drawWholeMap(); });
-      });
-    } catch (error) {
-      stuck(`This browser ${runner ? "starts no Worker: no map is" : "runs no WebAssembly here: no runs are"} computed`, error);
-    }
-    remap();
+    mapper = new Mapper(binary, about, MODEL.worker, (found, done) => {
+      map = found;
+      if (done && !measured.map) measured.map = performance.now() - mapStarted;
+      if (!mapFrame) mapFrame = requestAnimationFrame(() => { mapFrame = 0; drawWholeMap(); });
+    });
+  } catch (error) {
+    stuck(`This browser ${runner ? "starts no Worker: no map is" : "runs no WebAssembly here: no runs are"} computed`, error);
   }
+  remap();
   writeAddress();
   Object.assign(window, { explorer: { measured, get state() { return state; }, get run() { return run; }, get map() { return map; }, seek } });
   if (!state.time && !matchMedia("(prefers-reduced-motion: reduce)").matches) play(true);

@@ -22,9 +22,9 @@ from model.physics.modes import (
     Mode,
 )
 from model.physics.notation import LEFT_EDGE, RIGHT_EDGE
-from model.physics.parameters import Constants, Shape
+from model.physics.parameters import Batch, Constants, Shape
+from model.runs.engine import run_tracked
 from model.runs.settings import Settings
-from model.runs.trace import trace_run
 from verification.fuzz import SCENES, draw
 
 ANY, SLIPS, FLAGS = (OPEN, CLOSED, RELEASED), (STICKING, SLIP_POSITIVE, -SLIP_POSITIVE), (0, 1)
@@ -74,7 +74,8 @@ def test_every_mode_that_runs_meet_has_been_listed(scene: Scene, shape: Shape, s
     settings = Settings(scene=scene, shape=shape, horizon=10.0, max_evaluations=20_000)
     first, met = COLUMNS.index("mode_edge"), set()
     for part in (batch[row] for row in range(len(batch))):
-        met |= {*map(tuple, trace_run(part, settings).track[:, first : first + len(START)])}
+        _, track = run_tracked(*settings.rows(Batch.stack([part])), settings.tolerance, settings)
+        met |= {*map(tuple, track[:, first : first + len(START)])}
     modes = [
         Mode(*(kind(value) for kind, value in zip(MODE_KINDS, row, strict=True))) for row in met
     ]

@@ -41,7 +41,6 @@ LINES = [
     (["simulate", "--plot", "/dev/full/run.png"], ["/dev/full", "does not exist"]),
     (["simulate", "extra"], ["extra", "--help"]),
     (["simulate", "--set", "press_force"], ["press_force", "NAME=VALUE"]),
-    (["simulate", "--animate", "ROOT/run.mp4"], ["must end in .html"]),
     (["simulate", "--plot", "ROOT/folder.png"], ["is a folder"]),
     (
         ["simulate", "--set", "pres_force=2"],

@@ -1,4 +1,4 @@
-"""``vibralign explore`` and ``simulate --animate``: their files."""
+"""``vibralign explore``: its file."""
 
 import json
 from pathlib import Path
@@ -42,12 +42,3 @@ def test_without_a_device_the_page_is_that_of_the_paper(tmp_path):
     page = tmp_path / "paper.html"
     assert cli.main(["explore", "--out", str(page)]) == cli.DONE
     assert model_in(page)["presets"]["device"]["title"] == "the paper's device"
-
-
-def test_a_run_is_animated_as_a_page(device, tmp_path):
-    page = tmp_path / "run.html"
-    sets = [part for each in device.given().items() for part in ("--set", "{}={}".format(*each))]
-    assert cli.main(["simulate", *sets, "--tolerance=1e-6", "--animate", str(page)]) == cli.DONE
-    model = model_in(page)
-    assert model["run"]["results"]["outcome"] == 0.0
-    assert model["baseline"]["press_force"] == device.press_force

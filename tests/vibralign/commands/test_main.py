@@ -228,10 +228,6 @@ def test_a_device_file_gives_results_in_si_units(capsys):
     assert record["excitation_ratios"]["axial"] == pytest.approx(math.pi)  # 50 Hz
     assert "axial 15.92 Hz, lateral 2.055 Hz, tilt 16.78 Hz; excitation at 3.14, " in said
     assert "dimensionless" not in said
-    assert cli.main(["simulate", "--device", PEG, "--dimensionless"]) == cli.DONE
-    said = capsys.readouterr().out
-    assert re.search(r"dimensionless:\ntau_align +9\.", said)
-    assert said.endswith("units: 0.01 s, 0.001 m, 3 N\n")
 
 
 def test_with_a_device_what_is_set_is_in_si_units(capsys):

@@ -13,15 +13,13 @@ from model.events.insertion import INSERTION
 from model.events.outcomes import Outcome
 from model.physics.parameters import Batch
 from model.runs.align import run_once
-from model.runs.in_browser import interface, module_for
+from model.runs.in_browser import module_for
 from model.runs.simulate import simulate, simulate_once
-from model.runs.trace import trace_run
 from study.config import load_study, study_path
 from study.explorer import study_model
 from tests.vibralign.explorer.browser import Page, find_browser
 from vibralign.commands import main as cli
-from vibralign.explorer.content import device_model
-from vibralign.explorer.page import build_page, run_page
+from vibralign.explorer.page import build_page
 
 PATH = find_browser()
 pytestmark = [
@@ -330,14 +328,3 @@ def test_every_control_has_a_name(page):
         .filter((each) => !(each.ariaLabel || each.labels?.length || each.textContent.trim()))
         .map((each) => each.id)"""
     assert page.evaluate(unnamed) == []
-
-
-def test_a_run_as_a_page(started, tmp_path):
-    parameters, settings = STUDY.parameters("fig05"), STUDY.settings.settings
-    model = device_model(parameters.given(), None, "", settings, interface())
-    file = tmp_path / "run.html"
-    file.write_text(run_page(model, trace_run(parameters, settings)), encoding="utf-8")
-    started.errors.clear()
-    started.show(file.as_uri())
-    assert started.text("verdict").startswith("Aligned at τ = ")
-    assert started.errors == []

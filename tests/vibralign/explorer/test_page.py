@@ -12,19 +12,16 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from model.engine.track import COLUMNS
 from model.events.outcomes import OUTCOME_TEXT, Outcome, Reason, remedy
 from model.physics.parameters import FIELDS, OF_PAPER
 from model.runs.in_browser import Module, interface
-from model.runs.settings import Settings
-from model.runs.trace import Trace
 from model.sweeps.io import write_dataset
 from study.config import load_study, study_path
 from study.explorer import study_model
 from vibralign.device import load_device
 from vibralign.explorer import page as module
 from vibralign.explorer.content import FIRST, device_model
-from vibralign.explorer.page import SCRIPTS, build_page, run_page
+from vibralign.explorer.page import SCRIPTS, build_page
 
 STUDY = load_study(study_path())
 INTERFACE = interface()
@@ -126,22 +123,6 @@ def test_stored_maps_hold_duration_in_steps_and_what_is_reliable(tmp_path: Path)
     np.testing.assert_array_equal(levels[-1], [middle, 255, 0])
     found = np.frombuffer(unpacked(stored["reliable"]), dtype=np.uint8).reshape(3, 3)
     np.testing.assert_array_equal(found[[0, 2]][:, [0, 2]], reliable)
-
-
-@pytest.mark.parametrize("rows", [5, 50_000])
-def test_a_run_page_holds_its_track_and_no_engine(rows: int) -> None:
-    track = np.zeros((rows, len(COLUMNS)))
-    track[:, 0] = np.arange(rows)
-    track[rows - 3, COLUMNS.index("event")] = 1.0
-    results = dict.fromkeys(INTERFACE["results"], 1.0) | {"tau_align": np.nan, "tracked": rows}
-    model = device_model(STUDY.baseline.given(), None, "", Settings(), INTERFACE)
-    found = model_in(run_page(model, Trace(results, track)))
-    assert "engine" not in found
-    assert found["run"]["results"]["tau_align"] is None
-    stored = np.frombuffer(unpacked(found["run"]["track"])).reshape(-1, len(COLUMNS))
-    assert found["run"]["results"]["tracked"] == len(stored) <= 20_000
-    # A long track is thinned, but keeps events, the rows before them, and its end.
-    assert {rows - 4, rows - 3, rows - 1} <= set(stored[:, 0])
 
 
 def test_scripts_are_all_in_the_page() -> None:
