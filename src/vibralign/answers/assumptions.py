@@ -231,9 +231,8 @@ def _tolerances(stated: StatedDevice, *, assumed: bool) -> str:
         return "none stated"
     rows = []
     for name, each in stated.tolerances.items():
-        sign = "±" if each.kind == "uniform" else "σ"
         width = f"{100.0 * each.width:.4g} %"
         if not each.relative:
             width = written_words(name, each.width, stated)
-        rows.append(f"{name} {sign} {width}")
+        rows.append(f"{name} {each.sign} {width}")
     return ("none stated, so assumed: " if assumed else "as stated: ") + ", ".join(rows)

@@ -10,7 +10,7 @@ vibrator is not run.
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,10 +21,10 @@ from model.runs.settings import Settings
 from model.sweeps.starts import Starts
 from vibralign.answers.cases import at_each_tilt
 from vibralign.answers.reliability import (
-    STATISTICAL_TOLERANCE,
     DeviceResults,
     Floats,
     are_reliable,
+    counted,
     joined,
     need_vibration,
     run_devices,
@@ -175,12 +175,6 @@ class Trials:
         row = (going_in / done, margin, *largest)
         return Check(row, done, going_in, forces)
 
-    @property
-    def _statistical(self) -> Settings:
-        """Settings of runs of which many are counted, as in ``assess``."""
-        least = max(self.settings.tolerance, STATISTICAL_TOLERANCE)
-        return replace(self.settings, tolerance=least)
-
     def _is_good(self, results: DeviceResults) -> NDArray[np.bool_]:
         """Return which devices go in and keep the limits of time, force and tilt, if any."""
         limits = self.stated.limits
@@ -203,7 +197,7 @@ class Trials:
         return joined(parts, np.argsort(np.concatenate(rows)))
 
     def _run_from(self, stated: StatedDevice, values: Values, starts: Starts) -> DeviceResults:
-        return run_devices(stated, values, starts, self._statistical, self.cores)
+        return run_devices(stated, values, starts, counted(self.settings), self.cores)
 
     def _needs_vibration(self, values: Values, shape: tuple[int, int]) -> Floats:
         """Return for each setting the share of devices that do not align without vibration.
@@ -212,7 +206,7 @@ class Trials:
         """
         if "vibration" not in self.stated.limits:
             return np.full(shape[0], np.nan)
-        needs = need_vibration(self.stated, values, self._statistical, self.cores)
+        needs = need_vibration(self.stated, values, counted(self.settings), self.cores)
         shares: Floats = needs.reshape(shape).mean(axis=1)
         return shares
 

@@ -9,7 +9,7 @@ changes them.
 import itertools
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from types import MappingProxyType
 from typing import Any
 
@@ -98,6 +98,11 @@ class DeviceResults(Value):
 
     def __repr__(self) -> str:
         return f"<DeviceResults: {self.goes_in.sum():,} of {self.goes_in.size:,} devices go in>"
+
+
+def counted(settings: Settings) -> Settings:
+    """Return the settings of runs of which many are counted."""
+    return replace(settings, tolerance=max(settings.tolerance, STATISTICAL_TOLERANCE))
 
 
 def as_stated(device: Parameters | StatedDevice) -> Values:

@@ -159,14 +159,12 @@ def _counted(what: str, number: int) -> str:
 def _example(result: "Assessment", stated: StatedDevice | None) -> str:
     assert result.failing_start is not None  # noqa: S101 - the caller's
     words = ", ".join(
-        f"{name} = {value:.4g}" if stated is None else f"{name} = {_of_start(name, value)}"
+        f"{name} = {value:.4g}"
+        if stated is None
+        else f"{name} = {si_words(value, quantity_of(name), DIGITS)}"
         for name, value in result.failing_start.items()
     )
     return words if result.failing_approach is None else f"{result.failing_approach}: {words}"
-
-
-def _of_start(name: str, value: float) -> str:
-    return si_words(value, quantity_of(name), DIGITS)
 
 
 def _times(result: "Assessment", units: Units | None, settings: Settings) -> str:

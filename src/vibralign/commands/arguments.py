@@ -4,6 +4,7 @@ Every refusal is a ValueError of one line that names the value, the rule and the
 """
 
 import argparse
+import math
 import shlex
 import sys
 from collections.abc import Mapping, Sequence
@@ -103,6 +104,17 @@ def number(name: str, text: str, rule: str = "must be a number") -> float:
         return float(plain(text))
     except ValueError:
         raise ValueError(f"{name} = {text!r}: {rule}") from None
+
+
+def whole_number(name: str, text: str, least: int, most: float = math.inf) -> int:
+    """Return ``text`` as a whole number from ``least`` to ``most``; errors as ``number``."""
+    rule = f"must be a whole number >= {least}"
+    if most < math.inf:
+        rule = f"must be a whole number, {least} to {most}"
+    value = number(name, text, rule)
+    if not (value.is_integer() and least <= value <= most):
+        raise ValueError(f"{name} = {text}: {rule}")
+    return int(value)
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 import argparse
 import os
 from collections.abc import Sequence
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -248,10 +248,9 @@ def _drawn(
 ) -> tuple["Yield", "FailingDevice | None"]:
     """Return the yield of a device, and the nearest drawn device that fails."""
     from vibralign.answers import yields  # noqa: PLC0415  (scipy)
-    from vibralign.answers.reliability import STATISTICAL_TOLERANCE  # noqa: PLC0415
+    from vibralign.answers.reliability import counted  # noqa: PLC0415
 
-    settings = replace(settings, tolerance=max(settings.tolerance, STATISTICAL_TOLERANCE))
-    drawn, results = yields.yield_of(stated, cases, settings, cores, **options)
+    drawn, results = yields.yield_of(stated, cases, counted(settings), cores, **options)
     if result is not None and result.failing_start is not None:
         return drawn, None
     return drawn, yields.nearest_failing(stated, results, cases)

@@ -16,6 +16,7 @@ from vibralign.commands.arguments import (
     announce_compilation,
     number,
     read_inputs,
+    whole_number,
 )
 from vibralign.commands.design_words import Answer, nothing_found, record, report, so_far
 from vibralign.commands.files import check_file, check_picture, writing
@@ -79,7 +80,7 @@ def _design(arguments: argparse.Namespace) -> int:
     if arguments.plot is not None:
         check_picture(arguments.plot)
     generations, population, seed = (
-        _count(name, getattr(arguments, name), least)
+        whole_number(name, getattr(arguments, name), least)
         for name, least in (("generations", 1), ("population", 5), ("seed", 0))
     )
     given = read_inputs(arguments, known_in_part=True)
@@ -156,11 +157,3 @@ def _write(
             from vibralign.plots.style import write  # noqa: PLC0415
 
             write(draw_settings(dataset, why), arguments.plot)
-
-
-def _count(name: str, text: str, least: int) -> int:
-    rule = f"must be a whole number >= {least}"
-    value = number(name, text, rule)
-    if not value.is_integer() or value < least:
-        raise ValueError(f"{name} = {text}: {rule}")
-    return int(value)

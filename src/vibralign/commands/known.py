@@ -3,12 +3,11 @@
 import argparse
 import os
 import shlex
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from model.physics.quantities import TIME
 from vibralign.answers.assumptions import assumptions, lines_of
-from vibralign.answers.reliability import STATISTICAL_TOLERANCE
+from vibralign.answers.reliability import counted
 from vibralign.answers.si import named_words, si_list, si_words, written_words
 from vibralign.commands.arguments import Inputs, announce_compilation, set_options
 from vibralign.commands.files import check_picture, writing
@@ -91,9 +90,7 @@ def design_in_part(arguments: argparse.Namespace, given: Inputs) -> int:
 
 def _details(device: "StatedDevice", given: Inputs) -> list[str]:
     """Return what is assumed, and the command that gives the details of one possible device."""
-    precision = max(given.settings.tolerance, STATISTICAL_TOLERANCE)
-    settings = replace(given.settings, tolerance=precision)
-    assumed = assumptions(device.parameters, settings, device)
+    assumed = assumptions(device.parameters, counted(given.settings), device)
     del assumed["touch-down"]  # of one run
     words = f"forces and leeways in the middle of the ranges: `{_of_middle(device)} --details`"
     return [*lines_of(assumed), _line("details", words)]

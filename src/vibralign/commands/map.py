@@ -31,6 +31,7 @@ from vibralign.commands.arguments import (
     number,
     read_inputs,
     set_options,
+    whole_number,
 )
 from vibralign.commands.files import check_file, check_picture, writing
 from vibralign.commands.program import add_command
@@ -114,7 +115,7 @@ def _map(arguments: argparse.Namespace) -> int:
 
 def _sweep(arguments: argparse.Namespace, given: Inputs) -> tuple["Sweep", dict[str, str]]:
     """Return the sweep of the map, and what it assumes."""
-    count = _count(arguments.resolution)
+    count = whole_number("resolution", arguments.resolution, 2, _FINEST)
     from model.sweeps.settings import Ensemble  # noqa: PLC0415  (as in _map)
 
     starts = Ensemble()
@@ -135,14 +136,6 @@ def _assumed(given: Inputs, starts: "Ensemble", values: Mapping[str, float]) -> 
     if given.stated is None:
         return assumptions(given.parameters.replace(**values), given.settings, None, starts)
     return assumptions_with(given.stated, values, given.settings, starts)
-
-
-def _count(text: str) -> int:
-    rule = f"must be a whole number, 2 to {_FINEST}"
-    value = number("resolution", text, rule)
-    if not (2 <= value <= _FINEST and value == int(value)):
-        raise ValueError(f"resolution = {text}: {rule}")
-    return int(value)
 
 
 def _axis(

@@ -41,6 +41,11 @@ class Tolerance:
     width: float
     relative: bool = False
 
+    @property
+    def sign(self) -> str:
+        """Sign by which a file states it."""
+        return "±" if self.kind == "uniform" else "σ"
+
     def around(self, value: float) -> float:
         """Return the width around ``value``, in SI units."""
         return self.width * abs(value) if self.relative else self.width

@@ -8,15 +8,10 @@ import xarray as xr
 
 from model.sweeps.files import read_text, write_text
 from model.sweeps.io import described, write_dataset
+from vibralign.answers.maps import quantity_attributes
 from vibralign.device import StatedDevice
-from vibralign.device.stated import quantity_of
 from vibralign.device.unknown import SAMPLES, SECTION
 from vibralign.known.calibrate import Calibration
-
-
-def _of_quantity(name: str) -> dict[str, Any]:
-    meaning, quantity, _ = quantity_of(name)
-    return _in_words(meaning, quantity.unit)
 
 
 def _in_words(meaning: str, unit: str) -> dict[str, Any]:
@@ -26,7 +21,7 @@ def _in_words(meaning: str, unit: str) -> dict[str, Any]:
 def dataset_of(found: Calibration) -> xr.Dataset:
     """Return samples, weights, trials and predictions in SI units."""
     variables: dict[str, Any] = {
-        name: ("sample", column, _of_quantity(name)) for name, column in found.sets.items()
+        name: ("sample", column, quantity_attributes(name)) for name, column in found.sets.items()
     }
     words = "share of what is possible that the sample stands for"
     variables["weight"] = ("sample", found.samples.weights, _in_words(words, "1"))
@@ -46,7 +41,7 @@ def dataset_of(found: Calibration) -> xr.Dataset:
     for name in sorted({n for t in trials for n in t.device.changes if n in t.device.quantities}):
         own = np.array([t.device.quantities[name] for t in trials])
         key = f"trial_{name}" if name in variables else name
-        variables[key] = ("trial", own, _of_quantity(name))
+        variables[key] = ("trial", own, quantity_attributes(name))
     rows = [t.row for t in trials]
     coordinates = {
         "trial": ("trial", rows, _in_words("row of the table", "1")),

@@ -21,7 +21,7 @@ from model.runs.align import run_once
 from model.runs.settings import Settings
 from model.sweeps.io import DatasetError
 from vibralign.answers.causes import STICKS
-from vibralign.answers.reliability import STATISTICAL_TOLERANCE, Floats, can_be
+from vibralign.answers.reliability import Floats, can_be, counted
 from vibralign.answers.yields import distribution, interval
 from vibralign.device import StatedDevice, load_device
 from vibralign.device.batches import devices_of
@@ -149,7 +149,7 @@ def run_sets(
     horizon = device.horizon
     batch, units = devices_of(replace(device, horizon=None), values)
     second = np.array([each.time for each in units])
-    own = replace(settings, tolerance=max(settings.tolerance, STATISTICAL_TOLERANCE))
+    own = counted(settings)
     device = replace(device, horizon=None)
     if horizon is not None:
         own = replace(own, horizon=float(horizon / second.min()))

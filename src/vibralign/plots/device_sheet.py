@@ -17,11 +17,10 @@ from matplotlib.patches import Polygon, Rectangle
 from model.physics.geometry import resting_height
 from model.physics.parameters import constants_of
 from model.runs.simulate import Trajectory
-from vibralign.answers.si import display, named_words, quantity_of, readable
+from vibralign.answers.si import named_words, readable, written_words
 from vibralign.device import StatedDevice
 from vibralign.device.base import BASE
 from vibralign.device.mouth import GRIPPER_TILT, MOUTH
-from vibralign.device.stated import unit_of
 from vibralign.plots import style
 from vibralign.plots.history import trajectory
 from vibralign.plots.maps import Handle, stability_map
@@ -89,14 +88,11 @@ def _quantities(stated: StatedDevice) -> list[tuple[str, str, str]]:
     named = {*stated.resolved({}), *MOUTH, *BASE}
     shown = {**stated.values, **stated.quantities}
     for name, value in ((name, each) for name, each in shown.items() if name in named):
-        unit, one = display(value, quantity_of(name))
-        unit = unit or unit_of(name).replace("1", "")
-        tolerance = stated.tolerances.get(name)
         spread = ""
-        if tolerance is not None:
-            sign = "±" if tolerance.kind == "uniform" else "σ"
-            spread = f"{sign} {tolerance.around(value) / one:.3g} {unit}".strip()
-        rows.append((name.replace("_", " "), f"{value / one:.4g} {unit}".strip(), spread))
+        if tolerance := stated.tolerances.get(name):
+            width = written_words(name, tolerance.around(value), stated)
+            spread = f"{tolerance.sign} {width}"
+        rows.append((name.replace("_", " "), written_words(name, value, stated), spread))
     return rows + ([("materials", stated.materials, "")] if stated.materials else [])
 
 
