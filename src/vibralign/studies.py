@@ -21,12 +21,11 @@ from model.runs.settings import Settings
 from model.sweeps.io import described, parameter_attributes, result_attributes, summary_of
 from vibralign.answers.assumptions import (
     as_attribute,
-    assumptions,
     assumptions_with,
     at_corners,
     source_words,
 )
-from vibralign.answers.maps import corners_of, quantity_attributes
+from vibralign.answers.maps import corners_of, held_at_corners, quantity_attributes
 from vibralign.device.amounts import read_values
 from vibralign.device.batches import by_settings, devices_of, rows_of
 from vibralign.device.mouth import judged
@@ -132,12 +131,6 @@ def _check(device: Device, axes: Axes) -> None:
             device.replace(**each)
 
 
-def _assumed(device: Device, settings: Settings, values: dict[str, float]) -> dict[str, str]:
-    if isinstance(device, StatedDevice):
-        return assumptions_with(device, values, settings, None)
-    return assumptions(device.replace(**values), settings)
-
-
 def _study(device: Device, settings: Settings, axes: Axes, cores: int | None) -> xr.Dataset:
     """Return the dataset of one device."""
     swept = {name: values for name, values in axes.items() if values.ndim}
@@ -169,23 +162,15 @@ def _study(device: Device, settings: Settings, axes: Axes, cores: int | None) ->
     is_input = {"coverage_content_type": "referenceInformation"}
     held = {
         name: ((), value, _of_quantity(device, name) | is_input)
-        for name, value in _held(device, axes).items()
+        for name, value in held_at_corners(device, _lists(axes)).items()
+        if not np.ndim(axes.get(name, 0.0))
     }
     dimensions = {name: (name, v, _of_quantity(device, name)) for name, v in swept.items()}
     stated = _stated(device, next(iter(groups)), swept)
-    words = [_assumed(device, settings, each) for each in corners_of(_lists(axes))]
+    corners = corners_of(_lists(axes))
+    words = [assumptions_with(device, each, settings, None) for each in corners]
     stated["assumptions"] = as_attribute(at_corners(words))
     return xr.Dataset(variables | held, dimensions, stated)
-
-
-def _held(device: Device, axes: Axes) -> dict[str, float]:
-    """Return the quantities of a device that are the same all over the grid."""
-    corners = []
-    for each in corners_of(_lists(axes)):
-        one = device.changed(**each) if isinstance(device, StatedDevice) else device.replace(**each)
-        corners.append(one.values if isinstance(one, StatedDevice) else one.given())
-    alike = {n: v for n, v in corners[0].items() if all(c.get(n) == v for c in corners)}
-    return {n: v for n, v in alike.items() if v is not None and not np.ndim(axes.get(n, 0.0))}
 
 
 def _attributes(name: str, *, in_si: bool) -> dict[str, Any]:

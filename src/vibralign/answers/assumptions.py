@@ -67,7 +67,7 @@ def assumptions(
 
 
 def assumptions_with(
-    stated: StatedDevice,
+    device: Parameters | StatedDevice,
     values: Mapping[str, float],
     settings: Settings,
     ensemble: Ensemble | None,
@@ -75,7 +75,9 @@ def assumptions_with(
     tolerances_assumed: bool = False,
 ) -> dict[str, str]:
     """Return what the answer assumes for a device with other ``values`` of its quantities."""
-    here = replace(stated.changed(**values), changes=stated.changes)
+    if isinstance(device, Parameters):
+        return assumptions(device.replace(**values), settings, None, ensemble)
+    here = replace(device.changed(**values), changes=device.changes)
     own = here.run_settings(settings, here.units)
     return assumptions(here.parameters, own, here, ensemble, tolerances_assumed=tolerances_assumed)
 

@@ -82,12 +82,7 @@ class DeviceMap(Sweep):
     def coordinates(self) -> dict[str, Any]:
         """Return the axes, and as scalars the quantities that no axis changes; in SI units."""
         axes = {axis.parameter: axis.values for axis in self.dimensions[:2]}
-        corners = [self.device.changed(**each).values for each in corners_of(axes)]
-        held = {
-            name: value
-            for name, value in self.device.values.items()
-            if all(each.get(name) == value for each in corners)
-        }
+        held = held_at_corners(self.device, axes)
         coordinates = {name: ((), v, quantity_attributes(name)) for name, v in held.items()}
         swept = {name: (name, v, quantity_attributes(name)) for name, v in self.swept.items()}
         return dict(sorted((coordinates | swept).items()))
@@ -136,6 +131,18 @@ def corners_of(axes: Mapping[str, Sequence[float]]) -> list[dict[str, float]]:
     """Return the corners of a grid: the first or last value of each axis, by name."""
     ends = [dict.fromkeys((values[0], values[-1])) for values in axes.values()]
     return [dict(zip(axes, each, strict=True)) for each in itertools.product(*ends)]
+
+
+def held_at_corners(
+    device: Parameters | StatedDevice, axes: Mapping[str, Sequence[float]]
+) -> dict[str, float]:
+    """Return the quantities of a device that are the same at all corners of a grid."""
+    corners = []
+    for each in corners_of(axes):
+        one = device.changed(**each) if isinstance(device, StatedDevice) else device.replace(**each)
+        corners.append(one.values if isinstance(one, StatedDevice) else one.given())
+    alike = {n: v for n, v in corners[0].items() if all(c.get(n) == v for c in corners)}
+    return {name: value for name, value in alike.items() if value is not None}
 
 
 def quantity_attributes(name: str) -> dict[str, Any]:

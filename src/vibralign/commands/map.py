@@ -3,8 +3,7 @@
 import argparse
 import math
 import os
-from collections.abc import Mapping, Sequence
-from itertools import product
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +16,6 @@ from model.sweeps.axes import Axis
 from model.sweeps.settings import RunSettings
 from vibralign.answers.assumptions import (
     as_attribute,
-    assumptions,
     assumptions_with,
     at_corners,
     lines_of,
@@ -44,7 +42,6 @@ from vibralign.device.stated import StatedDevice, check_quantity, unit_of
 if TYPE_CHECKING:
     import xarray as xr
 
-    from model.sweeps.settings import Ensemble
     from model.sweeps.sweep import Sweep
 
 _FINEST = 1025
@@ -123,19 +120,14 @@ def _sweep(arguments: argparse.Namespace, given: Inputs) -> tuple["Sweep", dict[
     if given.stated is not None and "frequency" not in {name for name, *_ in axes.values()}:
         at = given.stated.quantities["frequency"]
     x, y = (_axis(option, words, count, given.stated, at) for option, words in axes.items())
-    from vibralign.answers.maps import map_of  # noqa: PLC0415
+    from vibralign.answers.maps import corners_of, map_of  # noqa: PLC0415
 
     device = given.stated or given.parameters
     sweep = map_of(device, RunSettings.of(given.settings), (x, y), starts)
-    ends = ([(axis.parameter, end) for end in (axis.start, axis.stop)] for axis in (x, y))
-    return sweep, at_corners([_assumed(given, starts, dict(each)) for each in product(*ends)])
-
-
-def _assumed(given: Inputs, starts: "Ensemble", values: Mapping[str, float]) -> dict[str, str]:
-    """Return what the answer at one place of the map assumes."""
-    if given.stated is None:
-        return assumptions(given.parameters.replace(**values), given.settings, None, starts)
-    return assumptions_with(given.stated, values, given.settings, starts)
+    corners = corners_of({axis.parameter: [axis.start, axis.stop] for axis in (x, y)})
+    return sweep, at_corners(
+        [assumptions_with(device, each, given.settings, starts) for each in corners]
+    )
 
 
 def _axis(
