@@ -184,7 +184,7 @@ def test_a_table_has_words_for_what_it_holds():
     assert thin.doubts
     assert html.escape(thin.doubts[0]) in shown
     assert "<th>notes</th><td>none</td>" in shown
-    leeway, near = Leeway("friction", 0.2, 0.1, 0.3, False, True), Nearest("mass", 1.0, None, 2.0)
+    leeway, near = Leeway("friction", 0.2, 0.1, 0.3), Nearest("mass", 1.0, None, 2.0)
     found = replace(VALUES[-1], leeways=(leeway, leeway), nearest=(near,))
     sheet = dict(sheet_rows(found))
     assert str(found).splitlines() == [f"{label:<16}{words}" for label, words in sheet.items()]

@@ -59,12 +59,11 @@ class Leeway:
         parameter: name of the parameter.
         value: the device's own value.
         low, high: smallest and largest value such that all values tried between are reliable.
-        bounded_below, bounded_above: True if a value beyond was tried and is not reliable, at most
-            ``FINEST`` away unless the border is ragged; False if the scan ends there, after
+        fails_below, fails_above: value beyond that was tried and is not reliable, at most
+            ``FINEST`` away unless the border is ragged; None if the scan ends there, after
             ``STEPS`` or at the parameter's bound.
         late_below, late_above: True if this value fails by the horizon only: a longer one may let
             it go in.
-        fails_below, fails_above: this value; None if the scan ends there.
         ragged_below, ragged_above: True if values that fail lie among values that hold there.
     """
 
@@ -72,12 +71,10 @@ class Leeway:
     value: float
     low: float
     high: float
-    bounded_below: bool
-    bounded_above: bool
-    late_below: bool = False
-    late_above: bool = False
     fails_below: float | None = None
     fails_above: float | None = None
+    late_below: bool = False
+    late_above: bool = False
     ragged_below: bool = False
     ragged_above: bool = False
 
@@ -156,8 +153,8 @@ def leeways(
     found = iter(late or [False] * len(beyond))
     hang = [each.other is not None and next(found) for each in ends]
     return tuple(
-        Leeway(d.parameter, d.value, d.alike, u.alike, d.other is not None, u.other is not None,
-               below, above, d.other, u.other, d.ragged, u.ragged)
+        Leeway(d.parameter, d.value, d.alike, u.alike, d.other, u.other,
+               below, above, d.ragged, u.ragged)
         for d, u, below, above in zip(ends[::2], ends[1::2], hang[::2], hang[1::2], strict=True)
     )  # fmt: skip
 

@@ -65,10 +65,10 @@ def test_a_leeway_ends_less_than_half_a_per_cent_before_a_failure(device):
     assert FINEST < 0.005
     assert force.low / (1.0 + FINEST) < 1.5 <= force.low
     assert force.high <= 2.9 < force.high * (1.0 + FINEST)
-    assert (force.bounded_below, force.bounded_above) == (True, True)
+    assert None not in (force.fails_below, force.fails_above)
     assert friction.low == pytest.approx(0.1 * STEP**-STEPS)
     assert friction.high <= 0.15 < friction.high * (1.0 + FINEST)
-    assert (friction.bounded_below, friction.bounded_above) == (False, True)
+    assert (friction.fails_below, friction.fails_above is None) == (None, False)
 
 
 def test_one_parameter_varies_at_a_time_and_few_values_beyond_an_end(device):
@@ -113,7 +113,7 @@ def test_an_end_moves_inwards_past_the_failures_of_a_ragged_border(device):
         return found
 
     clean = ragged()
-    assert (clean.ragged_above, clean.bounded_below) == (False, False)
+    assert (clean.ragged_above, clean.fails_below) == (False, None)
     assert clean.fails_above <= clean.high * (1.0 + FINEST)
     near = ragged((2.94, 2.952))
     assert near.ragged_above
@@ -133,7 +133,7 @@ def test_trials_stop_at_the_bound_of_a_parameter_and_zero_has_no_leeway(device):
     assert found.keys() == set(VARIED) - {"friction"}
     wide = found["misalignment"]
     assert wide.high < most < wide.high * STEP
-    assert not wide.bounded_above
+    assert wide.fails_above is None
 
 
 def test_the_nearest_reliable_values_have_a_direction(device):
@@ -166,7 +166,7 @@ def test_the_model_is_reliable_up_to_a_leeway_and_not_beyond(device, monkeypatch
     found = assess(device, COARSE, ENSEMBLE)
     assert (found.reliable, found.starts, found.aligned) == (True, 6, 6)
     starts = starts_of(device, ENSEMBLE)
-    bounded = [each for each in found.leeways if each.bounded_above]
+    bounded = [each for each in found.leeways if each.fails_above is not None]
     assert bounded
     for leeway in bounded:
         values = {leeway.parameter: np.array([leeway.high, leeway.high * (1.0 + FINEST)])}

@@ -151,7 +151,7 @@ def test_a_part_with_chamfers_is_said_to_be_followed_up_to_these():
 
 
 def test_a_sheet_is_short_and_its_words_are_those_of_the_tutorial(capsys, monkeypatch):
-    leeway = Leeway("friction", 0.15, 0.01, 0.2, False, True, fails_above=0.21)
+    leeway = Leeway("friction", 0.15, 0.01, 0.2, fails_above=0.21)
     base = Verdict(Base(1e3, 0.3), 16, 16, 2.0, 3.0, 1.0, 1.5)
     found = Assessment(
         32,

@@ -17,7 +17,7 @@ from vibralign.device import load_device
 NAN = float("nan")
 PEG = Path(__file__).resolve().parents[2] / "square" / "devices" / "peg.yaml"
 VERDICT = ("reliable at the stated values; yield 100 % under the tolerances", True)
-LEEWAY = Leeway("misalignment", 0.6e-3, 0.2e-3, 0.7e-3, False, True, fails_above=0.71e-3)
+LEEWAY = Leeway("misalignment", 0.6e-3, 0.2e-3, 0.7e-3, fails_above=0.71e-3)
 RESULT = Assessment(32, 32, 2.0, 3.0, None, leeways=(LEEWAY,))
 GROUPS = {
     "Verdict": ["starts   aligns from 32 of 32 starts", "at most  19 N"],
@@ -53,7 +53,7 @@ def test_the_cross_stands_at_the_stated_point_in_the_units_of_the_axes(tmp_path,
     drawn = []
     monkeypatch.setattr(sheet, "write", lambda figure, _: drawn.append(figure))
     stated = load_device(PEG)
-    more = Leeway("amplitude", 1e-3, 0.9e-3, 4e-3, True, False, fails_below=0.89e-3)
+    more = Leeway("amplitude", 1e-3, 0.9e-3, 4e-3, fails_below=0.89e-3)
     result = Assessment(32, 32, 2.0, 3.0, None, leeways=(LEEWAY, more))
     sheet.write_plot(tmp_path / "map.png", stated, result, Settings(horizon=40.0, tolerance=1e-6))
     stuck = Assessment(32, 0, NAN, NAN, {"phase": 0.0}, nearest=())
