@@ -58,13 +58,13 @@ def load_device(
             changes=dict(changes),
             vibrator=vibrator,
             sudden=sudden,
-            stated_shape=mapping.get("shape"),
+            stated_shape=now.get("shape"),
             notes=kept_amplitude(parts["quantities"], parts["written"], changes),
             unknown=ranges,
             samples=samples,
         )
-        if mapping.get("shape") is not None:
-            check_name(str(mapping["shape"]), get_args(Shape), "shape")
+        if now.get("shape") is not None:
+            check_name(str(now["shape"]), get_args(Shape), "shape")
         missing = f"; {stated.needed_in_part}" if ranges and stated.needed_in_part else ""
         # Refuses unknown and missing quantities, before anything is computed from them.
         known = {n: v for n, v in stated.quantities.items() if n not in BASE}

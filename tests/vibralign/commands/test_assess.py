@@ -249,6 +249,14 @@ def test_a_limit_that_only_drawn_devices_exceed_is_said_so(capsys, tmp_path):
     assert words in verdict
 
 
+@pytest.mark.usefixtures("_no_leeways")
+def test_a_limit_that_is_not_of_drawn_devices_stands_beside_one_that_is(capsys, tmp_path):
+    path = with_limits(tmp_path, "time: 1 s, stroke: 9 mm")
+    shown = said(capsys, *IN_SECONDS, "--devices", "8", "--device", path)
+    rows = re.findall(r"^  (stroke|time) .* as stated .*kept$", shown, re.MULTILINE)
+    assert sorted(rows) == ["stroke", "time"]
+
+
 def drawn_devices(path: str):
     stated = load_device(path)
     settings = Settings(scene=INSERTION, tolerance=1e-6, horizon=0.2 / stated.units.time)

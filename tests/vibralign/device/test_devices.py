@@ -40,6 +40,13 @@ def test_changes_are_in_the_units_of_the_file():
     assert load_device(EXAMPLE, {"amplitude": 0.5e-3}).parameters.half_width == pytest.approx(10.0)
 
 
+def test_the_shape_may_be_changed():
+    assert load_device(EXAMPLE).shape == "square"
+    assert load_device(EXAMPLE, {"shape": "round"}).shape == "round"
+    with pytest.raises(DeviceError, match="unknown shape 'oval'. Valid: round, square"):
+        load_device(EXAMPLE, {"shape": "oval"})
+
+
 def test_a_changed_value_keeps_its_tolerance(tmp_path):
     path = peg(tmp_path, friction="0.15 ± 0.05")
     stated = load_device(path, {"friction": 0.2})
