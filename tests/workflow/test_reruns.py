@@ -157,7 +157,7 @@ STATED = [
     ({"figures": {"fig13": {"chunks": 2}}}, {"chunk", "merge", "explorer", *DRAWN}),
     ({"settings": {"tolerance": 1e-9}}, COMPUTED),
 ]  # fmt: skip
-OF_ALL = {"explorer", "draw_methods", "claims", *LAST}
+OF_ALL = {"explorer", "draw_methods", "claims", *WEIGHED}
 
 
 @pytest.mark.nightly

@@ -67,16 +67,16 @@ def ends_hold(path: Path, found: Assessment, ensemble: Ensemble) -> tuple[int, i
     """Check printed ends and advice; return the numbers of ends and of ragged ones."""
     ends = ragged = 0
     for each in found.leeways:
-        low = each.low, each.fails_below, each.ragged_below, 1.0 / (1.0 + FINEST)
-        for end, fails, rough, out in (
-            low,
-            (each.high, each.fails_above, each.ragged_above, 1.0 + FINEST),
+        for end, fails, rough in (
+            (each.low, each.fails_below, each.ragged_below),
+            (each.high, each.fails_above, each.ragged_above),
         ):
             if fails is None:
                 continue
             ends, ragged = ends + 1, ragged + rough
+            out = (1.0 + FINEST) ** np.sign(end * (end - each.value))  # a low end may be negative
             just = [end / out**k for k in range(3)]
-            inside = [value for value in just if (value - each.value) * (out - 1.0) > 0.0]
+            inside = [value for value in just if (value - each.value) * (end - each.value) > 0.0]
             assert all(are(path, each.parameter, inside, ensemble)), (each, inside)
             beyond = [fails] if rough else [fails, end * out]
             assert not any(are(path, each.parameter, beyond, ensemble)), (each, beyond)
