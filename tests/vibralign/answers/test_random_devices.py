@@ -78,7 +78,8 @@ def ends_hold(path: Path, found: Assessment, ensemble: Ensemble) -> tuple[int, i
             just = [end / out**k for k in range(3)]
             inside = [value for value in just if (value - each.value) * (end - each.value) > 0.0]
             assert all(are(path, each.parameter, inside, ensemble)), (each, inside)
-            beyond = [fails] if rough else [fails, end * out]
+            adds = each.parameter == "gripper_tilt"  # in steps that add, not of a ratio
+            beyond = [fails] if rough or adds else [fails, end * out]
             assert not any(are(path, each.parameter, beyond, ensemble)), (each, beyond)
     for each in found.nearest:
         for end in (each.below, each.above):
