@@ -74,9 +74,9 @@ def ends_hold(path: Path, found: Assessment, ensemble: Ensemble) -> tuple[int, i
             if fails is None:
                 continue
             ends, ragged = ends + 1, ragged + rough
-            out = (1.0 + FINEST) ** np.sign(end * (end - each.value))  # a low end may be negative
+            out = (1.0 + FINEST) ** np.sign(end * (fails - end))  # a low end may be negative
             just = [end / out**k for k in range(3)]
-            inside = [value for value in just if (value - each.value) * (end - each.value) > 0.0]
+            inside = [value for value in just if (value - each.value) * (fails - end) > 0.0]
             assert all(are(path, each.parameter, inside, ensemble)), (each, inside)
             adds = each.parameter == "gripper_tilt"  # in steps that add, not of a ratio
             beyond = [fails] if rough or adds else [fails, end * out]
