@@ -72,6 +72,8 @@ def sheet_rows(
     label = "reliable with" if result.failing_start is not None else "fails from"
     found = "; ".join(_borders(result)) or "nothing that was tried, within a factor of four"
     found += "; each of these exceeds a limit" if result.change_exceeds else ""
+    if result.leeways and result.worst is not None:
+        found += f"; all this with the approach that is slowest, {result.worst}"
     rows += [(label, found)] if result.leeways or result.nearest else []
     rows += more
     if stated is not None:
