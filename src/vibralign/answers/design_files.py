@@ -22,8 +22,8 @@ _NAMES = {
     "within": ("whether all devices go in and all limits are kept", "1"),
     "devices": ("number of devices by which the setting was checked; 0 if it was not", "1"),
     "going_in": ("number of these that go in from every start", "1"),
-    "acceleration": ("acceleration that the setting takes of the vibrator", "m s-2"),
-    "stroke": ("stroke that the setting takes of the vibrator", "m"),
+    "acceleration": ("largest acceleration of the vibrator within the tolerances", "m s-2"),
+    "stroke": ("largest stroke of the vibrator within the tolerances", "m"),
 }
 
 

@@ -130,10 +130,15 @@ class Trials:
         return quick + self.devices * len(self.starts)
 
     def _of_vibrator(self, points: Floats) -> dict[str, Floats]:
-        """Return acceleration and stroke that settings need of the vibrator, shape (n,) each."""
-        own = self.stated.quantities
+        """Return the most that settings need of the vibrator, at the ends of the tolerances too.
+
+        Acceleration and stroke, shape (n,) each.
+        """
+        own, tolerances = self.stated.quantities, self.stated.tolerances
         of = {n: np.full(len(points), own[n]) for n in ("amplitude", "frequency")}
         of |= dict(zip(self.stated.free, points.T, strict=True))
+        for name in of.keys() & tolerances.keys() & {"amplitude", "frequency"}:
+            of[name] = of[name] + [tolerances[name].end(each) for each in of[name].tolist()]
         return of_vibrator(of["amplitude"], of["frequency"])
 
     def check(self, setting: Mapping[str, float]) -> Check:

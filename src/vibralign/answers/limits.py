@@ -8,7 +8,7 @@ from vibralign.answers.assess import Assessment
 from vibralign.answers.reliability import as_stated, need_vibration
 from vibralign.answers.yields import Yield
 from vibralign.device import StatedDevice
-from vibralign.device.limits import OF_VIBRATOR, of_vibrator
+from vibralign.device.limits import of_vibrator
 
 
 @dataclass(frozen=True)
@@ -69,9 +69,7 @@ def limit_results(
         itself["vibration"] = float(needs)
 
     def largest(name: str) -> float | None:
-        if drawn is None or name in OF_VIBRATOR:
-            return None
-        return drawn.largest.get(name, math.nan)
+        return None if drawn is None else drawn.largest.get(name, math.nan)
 
     return tuple(
         LimitResult(name, limit, itself[name], largest(name))

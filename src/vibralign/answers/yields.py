@@ -30,6 +30,7 @@ from vibralign.answers.reliability import (
     run_devices,
 )
 from vibralign.device import StatedDevice, Tolerance
+from vibralign.device.limits import of_vibrator
 from vibralign.device.runs import AnyDevice, device_of
 
 CONFIDENCE = 0.95
@@ -77,8 +78,9 @@ class Yield(Value):
         forces: largest contact force of these devices by the place.
         insertion: 5, 50 and 95 % quantiles over these of the longest time until inserted.
         confidence: level of confidence of the intervals.
-        largest: longest "time" until alignment, largest "contact_force" and "tilt" of these; if a
-            limit asks for it, the share that needs "vibration" to align.
+        largest: longest "time" until alignment, largest "contact_force" and "tilt" of these, and
+            "acceleration" and "stroke" of their vibrator; if a limit asks for it, the share that
+            needs "vibration" to align.
         on_chamfers: number of devices that go in as their chamfers meet the hole's: the press alone
             brings them in.
     """
@@ -243,7 +245,8 @@ def yield_of(
     results, counted = results[~results.inside], done - inside
     going_in = int(results.goes_in.sum())
     low, high = interval(going_in, counted)
-    largest = results.largest
+    drive = [results.values.get(n, stated.quantities[n]) for n in ("amplitude", "frequency")]
+    largest = results.largest | {n: float(np.max(v)) for n, v in of_vibrator(*drive).items()}
     if "vibration" in stated.limits and counted:
         possible = results[~results.impossible]
         needs = need_vibration(stated, possible.values, settings, cores) & ~possible.on_chamfers

@@ -14,7 +14,7 @@ from vibralign.answers import design_trials, reliability
 from vibralign.answers.design import Limiting, as_printed, search, tried_of, with_tolerances
 from vibralign.answers.design_trials import FARTHEST, MEASURES, Trials
 from vibralign.answers.reliability import DeviceResults
-from vibralign.device import load_device
+from vibralign.device import Tolerance, load_device
 
 PEG = Path(__file__).resolve().parents[2] / "square" / "peg.yaml"
 COARSE = Settings(horizon=60.0, tolerance=1e-6)
@@ -63,6 +63,9 @@ def test_a_setting_that_the_vibrator_cannot_give_is_not_run(monkeypatch):
     before = len(calls)
     of.quick(settings[1:])
     assert len(calls) == before
+    width = {"amplitude": Tolerance("uniform", 0.02, relative=True)}  # 1.53 mm at its end
+    wide = replace(of, stated=replace(of.stated, tolerances=of.stated.tolerances | width))
+    assert wide.quick(settings[:1])[0][0] == 0.0
 
 
 def test_a_limit_is_not_exceeded_where_nothing_goes_in(monkeypatch):

@@ -25,6 +25,7 @@ from vibralign.commands import main as cli
 from vibralign.commands.next_step import map_words
 from vibralign.commands.yields import yield_words
 from vibralign.device import load_device
+from vibralign.device.approach import Approach
 from vibralign.device.base import restitution_at
 from vibralign.device.stated import FOLLOWED
 
@@ -181,6 +182,13 @@ def test_a_sheet_is_short_and_its_words_are_those_of_the_tutorial(capsys, monkey
     found = replace(found, leeways=(replace(leeway, fails_above=0.15004),))
     assert cli.main(["assess", "--device", PEG]) == cli.DONE
     assert row(capsys.readouterr().out, "fails from") == "friction 0.15004 (stated 0.15)"
+    fast, slow = (
+        Verdict(Approach("running", speed), 16, 16, 2.0, tau)
+        for speed, tau in ((0.1, 2.5), (0.01, 3.0))
+    )
+    words = dict(sheet_rows(replace(found, device=load_device(PEG), approaches=(fast, slow))))
+    said_of = "; all this with the approach that is slowest, running, 10 mm/s"
+    assert words["fails from"] == f"friction 0.15004 (stated 0.15){said_of}"
 
 
 @pytest.mark.usefixtures("_no_leeways")
@@ -250,11 +258,23 @@ def test_a_limit_that_only_drawn_devices_exceed_is_said_so(capsys, tmp_path):
 
 
 @pytest.mark.usefixtures("_no_leeways")
-def test_a_limit_that_is_not_of_drawn_devices_stands_beside_one_that_is(capsys, tmp_path):
+def test_a_limit_that_no_tolerance_alters_stands_beside_one_that_some_alter(capsys, tmp_path):
     path = with_limits(tmp_path, "time: 1 s, stroke: 9 mm")
     shown = said(capsys, *IN_SECONDS, "--devices", "8", "--device", path)
     rows = re.findall(r"^  (stroke|time) .* as stated .*kept$", shown, re.MULTILINE)
     assert sorted(rows) == ["stroke", "time"]
+
+
+@pytest.mark.usefixtures("_no_leeways")
+def test_a_limit_of_the_vibrator_counts_the_devices_drawn(capsys, tmp_path):
+    path = with_limits(tmp_path, "acceleration: 15 g, stroke: 2 mm")  # 10.06 g at 50 Hz
+    line = ["--device", path, *IN_SECONDS, "--devices", "8", "--set", "frequency=50 Hz ± 25 %"]
+    shown = said(capsys, *line)
+    words = r"some of the devices drawn exceed the limit of acceleration \(1[56][\d.]* g > 15 g\)\n"
+    assert re.search(rf"^verdict +reliable .*; {words}", shown, re.MULTILINE)
+    row = r"acceleration  limit 15 g  10.06 g as stated +1[56][\d.]* g of all drawn  exceeded"
+    assert re.search(row, shown)
+    assert re.search(r"stroke +limit 2 mm +2 mm as stated +2 mm of all drawn +kept", shown)
 
 
 def drawn_devices(path: str):
