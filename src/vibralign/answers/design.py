@@ -34,6 +34,8 @@ from vibralign.device.stated import unit_of
 MARGIN_STEP = 0.25
 GENERATIONS, POPULATION = 10, 16  # of the search, by default
 DEVICES = 1024  # of a check, by default; a power of two
+DRAWS = 8  # of a population, until a setting goes in, from the best of which the search begins
+FAILS = 10.0  # least score of a setting with which no device goes in
 DIGITS = 4  # of the values of a setting, as they are printed
 CHECKS = 12  # most settings that are checked
 ASSUMED = Tolerance("uniform", 0.1, relative=True)  # for a device that states no tolerance
@@ -87,7 +89,7 @@ class Tried(Value):
         time = np.nan_to_num(self.measures["time"], nan=np.inf)
         speed = 1.0 / (1.0 + time)  # between 0 and 1: decides between equal margins
         kept = -1.0 - steps - MARGIN_STEP * speed
-        return np.where(self.keeps(limits), kept, 10.0 * (1.0 - self.share) + excess)
+        return np.where(self.keeps(limits), kept, FAILS * (1.0 - self.share) + excess)
 
 
 class Limiting(NamedTuple):
@@ -293,16 +295,22 @@ def search(
 
     tell(f"first settings of the search, then {generations} generations")
     first = stats.qmc.LatinHypercube(len(low), rng=np.random.default_rng(trials.seed))
+    points, scores = np.empty((0, len(low))), np.empty(0)
+    while len(points) < DRAWS * population and not (scores < FAILS).any():
+        drawn = low + first.random(population) * (high - low)
+        points = np.concatenate([points, drawn])
+        scores = np.concatenate([scores, score(drawn.T)])
     optimize.differential_evolution(
         score,
         list(free.values()),
-        init=low + first.random(population) * (high - low),
+        init=points[np.sort(np.argsort(scores, kind="stable")[:population])],
         maxiter=generations,
         rng=np.random.default_rng(trials.seed),
         vectorized=True,
         updating="deferred",
         polish=False,
         tol=0.0,
+        atol=-1.0,  # settings that all fail alike do not end the search
         callback=report,
     )
     return _checked(trials, known, tell)

@@ -145,6 +145,14 @@ def test_the_best_setting_has_the_largest_margin_and_keeps_the_limits(monkeypatc
     )
 
 
+def test_a_small_part_of_the_ranges_in_which_devices_go_in_is_found(monkeypatch):
+    # 4 % of a range: the first settings miss it, and a generation that fails alike ends no search.
+    oracle(monkeypatch, lambda force, _: abs(force - 6.3) > 0.4)
+    best = search(trials(), 8, 5)
+    assert best.feasible
+    assert not best.tried.share[:5].any()
+
+
 def test_limits_that_none_keeps_are_named_with_the_numbers_of_the_nearest_setting(monkeypatch):
     oracle(monkeypatch)
     one = trials({"time": 0.08, "contact_force": 22.0})
