@@ -101,11 +101,13 @@ def part_words(stated: StatedDevice) -> str:
 
     play = 2.0 * given["clearance"] * given["half_width"]
     gap = written_words("play", play, stated, DIGITS)
+    length = f" by {words('half_height', 'length', times=2.0)}"
+    if "centre_height" in stated.quantities:  # the file states no length
+        length = f", mass centre {words('centre_height')} over its face"
     assumed = " (not stated)" if stated.stated_shape is None else ""
     return (
-        f"{stated.shape}{assumed}, {words('half_width', 'diameter', times=2.0)} by "
-        f"{words('half_height', 'length', times=2.0)}, play {gap}, "
-        f"{words('misalignment')} beside the hole"
+        f"{stated.shape}{assumed}, {words('half_width', 'diameter', times=2.0)}{length}, "
+        f"play {gap}, {words('misalignment')} beside the hole"
     )
 
 

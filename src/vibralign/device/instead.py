@@ -84,6 +84,12 @@ SOURCES: Mapping[str, tuple[str, ...]] = {
 }
 
 
+_TWO_CENTRES = (
+    "length and centre_height both place the mass centre, length in the middle of the part: leave "
+    "length out"
+)
+
+
 def name_in(quantities: Iterable[str], parameter: str) -> str:
     """Return by which name a file with these quantities states a parameter."""
     stated = [name for name, each in INSTEAD.items() if each.parameter == parameter]
@@ -109,6 +115,8 @@ def with_parameters(quantities: Mapping[str, float]) -> dict[str, float]:
             if not 0.0 <= value < math.inf or (value == 0.0 and bound == "> 0"):
                 raise ValueError(f"{name} = {value!r}: must be a finite number {bound}")
             twin = stated.get(parameter, parameter if parameter in quantities else "")
+            if {twin, name} == {"length", "centre_height"}:
+                raise ValueError(_TWO_CENTRES)
             if twin:
                 raise ValueError(f"{twin} and {name} state the same: leave one out")
             stated[parameter] = name
@@ -118,7 +126,8 @@ def with_parameters(quantities: Mapping[str, float]) -> dict[str, float]:
         if stated.get(each.parameter) == name:
             for need in each.needs:
                 if not found.get(need, -1.0) >= 0.0:
-                    raise ValueError(f"{name} needs {need}, a number > 0{_hint(need, found)}")
+                    size = {} if stated.get("half_height") == "centre_height" else found
+                    raise ValueError(f"{name} needs {need}, a number > 0{_hint(need, size)}")
             found[each.parameter] = each.value(quantities[name], *(found[n] for n in each.needs))
     return found
 
@@ -133,6 +142,22 @@ def _hint(name: str, found: Mapping[str, float]) -> str:
         cylinder, block = (mass * (k * half**2 + height**2 / 3.0) for k in (0.25, 1.0 / 3.0))
         words += f": here {1e6 * cylinder:.3g} and {1e6 * block:.3g} kg mm²"
     return f"{words}, and the gripper's share is added"
+
+
+def check_centre(stated: Mapping[str, object], changes: Iterable[str]) -> None:
+    """Refuse changes that would move the mass centre of a file that states ``centre_height``.
+
+    Raises:
+        ValueError: half_height or length is among the changes, without centre_height.
+    """
+    names = set(changes)
+    if stated.get("centre_height") is None or "centre_height" in names:
+        return
+    for name in sorted(names & {"half_height", "length"}):
+        raise ValueError(
+            f"{name}: would move the mass centre, which the file states by centre_height: set "
+            "centre_height"
+        )
 
 
 def replaced_by(changes: Iterable[str]) -> set[str]:

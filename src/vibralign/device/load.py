@@ -2,6 +2,7 @@
 
 import contextlib
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, get_args
 
@@ -10,10 +11,16 @@ import yaml
 from model.physics.parameters import Shape, check_name
 from model.physics.units import device
 from model.sweeps import files
-from vibralign.device.amounts import read_amount, read_range
+from vibralign.device.amounts import Amount, read_amount, read_range
 from vibralign.device.approach import SPEED, SUDDEN, read_start, with_changes
 from vibralign.device.base import BASE
-from vibralign.device.instead import replaced_by, with_parameters
+from vibralign.device.instead import (
+    INSTEAD,
+    check_centre,
+    parameter_of,
+    replaced_by,
+    with_parameters,
+)
 from vibralign.device.limits import read_limits
 from vibralign.device.mouth import as_parameters
 from vibralign.device.plausibility import DeviceError, NoNeedError, check_press
@@ -29,9 +36,10 @@ def load_device(
     Args:
         path: file with lines NAME: VALUE, in SI units or with units.
         changes: quantities by name that replace the file's, numbers in SI units or text with
-            units. A changed quantity keeps its tolerance unless the text states another. A
-            stiffness or damping also replaces the quantities from which it would be computed, a
-            damping ratio the damping.
+            units. A changed quantity keeps its tolerance unless the text states another; a play
+            keeps that of the file's fit. A stiffness or damping also replaces the quantities
+            from which it would be computed, a damping ratio the damping; if such a quantity has a
+            tolerance, the change has to state one.
         needless: return a device that needs no alignment as stated, too.
 
     Raises:
@@ -40,13 +48,17 @@ def load_device(
     """
     path, changes, missing = Path(path), {} if changes is None else changes, ""
     replaced = replaced_by(changes) | ({SPEED} if changes.get(SPEED) == SUDDEN else set())
-    mapping = {name: value for name, value in _mapping(path).items() if name not in replaced}
+    whole = _mapping(path)
+    mapping = {name: value for name, value in whole.items() if name not in replaced}
+    lost = {name: value for name, value in whole.items() if name in replaced}
     try:
+        check_centre(whole, changes)
         ranges, samples, mapping = _unknown(path, mapping, changes)
         at, now = _one_frequency(mapping), {**mapping, **changes}
         vibrator, sudden = read_start(with_changes(mapping, changes))
         amounts = amounts_of(mapping, at, _diameter(now))
         others = amounts_of(changes, _one_frequency(now), _diameter(now))
+        others = _with_tolerance_of_fit(others, lost, _diameter(now))
         parts, changed = by_quantity(amounts), by_quantity(others)
         both: dict[str, Any] = {part: each | changed[part] for part, each in parts.items()}
         stated = StatedDevice(
@@ -79,6 +91,36 @@ def load_device(
     if stated.needless and not needless:
         raise NoNeedError(f"{path}: {stated.needless}")
     return stated
+
+
+def _with_tolerance_of_fit(
+    changed: Mapping[str, Amount], lost: Mapping[str, object], diameter: float | None
+) -> dict[str, Amount]:
+    """Return amounts of changes, a play with the tolerance of the fit that it replaces.
+
+    Args:
+        changed: the amounts of the changes.
+        lost: quantities of the file that these replace.
+        diameter: in m, None if none is stated.
+
+    Raises:
+        ValueError: a change would lose the tolerance of another quantity for the same parameter.
+    """
+    found = dict(changed)
+    for name in lost.keys() & {"fit", *INSTEAD, *(each.parameter for each in INSTEAD.values())}:
+        amounts = dict[str, Amount]()
+        with contextlib.suppress(ValueError):  # what is replaced may break its rule
+            amounts = amounts_of({name: lost[name]}, None, diameter)
+        for stated, each in amounts.items():
+            twins = [n for n in found if parameter_of(n) == parameter_of(stated)]
+            for twin in (n for n in twins if each.tolerance and not found[n].tolerance):
+                if twin != stated:
+                    raise ValueError(
+                        f"{twin}: would replace {name} of the file without its tolerance: state "
+                        f"one, as in {twin}=VALUE ± WIDTH, or set {stated}"
+                    )
+                found[twin] = replace(found[twin], tolerance=each.tolerance)
+    return found
 
 
 class _Loader(files.Loader):  # type: ignore[misc]

@@ -29,7 +29,7 @@ from vibralign.device.approach import (
 )
 from vibralign.device.base import BASE, pair_of, with_base
 from vibralign.device.fits import play_of
-from vibralign.device.instead import INSTEAD, replaced_by, with_parameters
+from vibralign.device.instead import INSTEAD, check_centre, replaced_by, with_parameters
 from vibralign.device.limits import OF_VIBRATOR, of_vibrator
 from vibralign.device.mouth import (
     CHAMFERS,
@@ -227,6 +227,7 @@ class StatedDevice(Value):
         for name in changes:
             if name != "vibrator":
                 check_quantity(name)
+        check_centre(self.quantities, changes)
         vibrator, sudden = read_start(with_changes(self.stated_start, changes))
         changed = by_quantity(amounts_of(changes, self.quantities.get("frequency")))
         replaced = replaced_by(changes) | ({SPEED} if sudden else set())

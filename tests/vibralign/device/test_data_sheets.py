@@ -9,6 +9,7 @@ import pytest
 from model.sweeps.settings import Ensemble
 from vibralign import DoubtWarning, load_device, reliable_at, simulate, sweep
 from vibralign.answers.cases import cases_of, on_bases
+from vibralign.answers.sheet import part_words
 from vibralign.answers.si import named_words
 from vibralign.answers.yields import drawn
 from vibralign.device import DeviceError
@@ -61,6 +62,24 @@ def test_an_inertia_that_is_missing_is_named_with_formulas_and_numbers(tmp_path)
     # 120 g (3 · 3² + 20²) mm² / 12, and 120 g (6² + 20²) mm² / 12
     with pytest.raises(DeviceError, match=r"needs inertia, .*: here 4\.27 and 4\.36 kg mm²"):
         load_device(path)
+    with pytest.raises(DeviceError, match=r"needs inertia, .*block m \(w² \+ h²\) / 12, and"):
+        load_device(path, {"centre_height": "30 mm"})
+
+
+def test_a_length_is_not_made_of_the_height_of_the_mass_centre(tmp_path):
+    assert "round, 6 mm by 20 mm, play " in part_words(load_device(sheet(tmp_path)))
+    held = load_device(sheet(tmp_path), {"centre_height": "30 mm"})
+    assert "round, 6 mm, mass centre 30 mm over its face, play " in part_words(held)
+    with pytest.raises(DeviceError, match=r"both place the mass centre, .*: leave length out"):
+        load_device(sheet(tmp_path, "centre_height: 30 mm"))
+    text = SHEET.replace("length: 20 mm", "centre_height: 30 mm")
+    (tmp_path / "held.yaml").write_text(text, encoding="utf-8")
+    for name in ("half_height", "length"):
+        words = f"{name}: would move the mass centre, which the file states by centre_height"
+        with pytest.raises(DeviceError, match=words):
+            load_device(tmp_path / "held.yaml", {name: "10 mm"})
+        with pytest.raises(ValueError, match=words):
+            held.changed(**{name: 0.01})
 
 
 @pytest.mark.parametrize("name", INSTEAD)
@@ -72,7 +91,8 @@ def test_exactly_one_of_a_pair_is_stated_and_a_change_replaces_the_other(tmp_pat
     with pytest.raises(DeviceError, match="state the same: leave one out"):
         load_device(both)
     path = sheet(tmp_path)
-    stated = load_device(path, {parameter: own})
+    given = f"{own!r} ± {0.01 * own!r}" if name == "play" else own  # a fit has a tolerance
+    stated = load_device(path, {parameter: given})
     assert stated.values[parameter] == pytest.approx(own)
     assert not {n for n, each in INSTEAD.items() if each.parameter == parameter} & {
         *stated.quantities
@@ -119,7 +139,24 @@ def test_a_fit_follows_the_diameter_and_has_its_tolerance(tmp_path):
     assert small.quantities["play"] == pytest.approx(14e-6)
     assert large.quantities["play"] == pytest.approx(17e-6)  # H7 0 to 15, g6 -14 to -5 µm
     assert large.tolerances["play"].width == pytest.approx(12e-6)
-    assert load_device(path, {"clearance": "1 %"}).values["clearance"] == 0.01
+    changed = load_device(path, {"clearance": "1 % ± 0.1 %"})
+    assert changed.values["clearance"] == 0.01
+    assert changed.tolerances["clearance"].width == pytest.approx(1e-3)
+
+
+def test_no_change_loses_a_tolerance(tmp_path):
+    changed = load_device(sheet(tmp_path), {"play": "15 µm"})
+    assert changed.quantities["play"] == pytest.approx(15e-6)
+    assert changed.tolerances["play"].width == pytest.approx(10e-6)  # H7 0 to 12, g6 -12 to -4 µm
+    own = load_device(sheet(tmp_path), {"play": "15 µm ± 1 µm"}).tolerances["play"]
+    assert own.width == pytest.approx(1e-6)
+    words = r"clearance: would replace fit .* as in clearance=VALUE ± WIDTH, or set play"
+    with pytest.raises(DeviceError, match=words):
+        load_device(sheet(tmp_path), {"clearance": "1 %"})
+    text = SHEET.replace("fit: H7/g6", "play: 0.1 mm ± 0.03 mm")
+    (tmp_path / "loose.yaml").write_text(text, encoding="utf-8")
+    with pytest.raises(DeviceError, match="would replace play of the file without its tolerance"):
+        load_device(tmp_path / "loose.yaml", {"clearance": "1 %"})
 
 
 def test_a_fixture_is_in_series_with_the_base_stated_or_tried(tmp_path):

@@ -194,7 +194,10 @@ def test_a_damping_ratio_stands_for_a_damping(tmp_path):
     )
     assert stated.tolerances["tilt_damping_ratio"] == Tolerance("uniform", 0.02)
     # A damping replaces the ratio of the file, and a ratio the damping.
-    assert load_device(path, {"axial_damping": 3.0}).resolved({})["axial_damping"] == 3.0
+    damped = load_device(path, {"axial_damping": "3 ± 0.9"})
+    assert damped.resolved({})["axial_damping"] == 3.0
+    with pytest.raises(DeviceError, match="axial_damping: would replace axial_damping_ratio"):
+        load_device(path, {"axial_damping": 3.0})
     replaced = load_device(EXAMPLE, {"axial_damping_ratio": 0.07}).resolved({})
     assert replaced["axial_damping"] == pytest.approx(dampings[0])
     path.write_text(f"{text}\naxial_damping: 6\n", encoding="utf-8")
