@@ -75,8 +75,7 @@ def load_device(
             unknown=ranges,
             samples=samples,
         )
-        if now.get("shape") is not None:
-            check_name(str(now["shape"]), get_args(Shape), "shape")
+        _check_shape(now.get("shape"))
         missing = f"; {stated.needed_in_part}" if ranges and stated.needed_in_part else ""
         # Refuses unknown and missing quantities, before anything is computed from them.
         known = {n: v for n, v in stated.quantities.items() if n not in BASE}
@@ -179,6 +178,14 @@ def _diameter(given: Mapping[str, object]) -> float | None:
         if given.get(name) is not None:
             return times * read_amount(name, given[name], "m").value
     return None
+
+
+def _check_shape(given: object) -> None:
+    try:
+        check_name("round" if given is None else str(given), get_args(Shape), "shape")
+    except ValueError as error:
+        words = "of any part with flat sides write square, and as diameter its width along the "
+        raise ValueError(f"{error} ({words}misalignment)") from None
 
 
 def _text(name: str, given: Mapping[str, Any]) -> str:

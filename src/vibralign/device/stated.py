@@ -55,6 +55,11 @@ QUANTITIES = (*UNITS, *(n for n in _OWN if n not in UNITS), *INSTEAD, *BASE)
 FOLLOWED = "a part with chamfers is followed until its face has reached them, no further"
 BESIDES = ("materials", "fit", "free", "limits", "vibrator", "shape")
 
+_WHOLE = {  # what is close to the name of its half
+    "width": "Write diameter, of a square part its width; half_width is half of it",
+    "height": "Write length, of the whole part; half_height is half of it",
+}
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class StatedDevice(Value):
@@ -362,6 +367,7 @@ def check_quantity(name: str) -> None:
     if name not in QUANTITIES:
         near = difflib.get_close_matches(name, QUANTITIES, n=1)
         hint = f"Did you mean {near[0]!r}? " if near else ""
+        hint = f"{_WHOLE[name]}. " if name in _WHOLE else hint
         raise ValueError(
             f"unknown quantity of a device {name!r}. {hint}`vibralign new FILE` writes a file with "
             "those that a device has, `vibralign simulate --help` lists all"

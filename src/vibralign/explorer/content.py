@@ -4,7 +4,7 @@ Values are in the page's units: SI for a device of a file, else dimensionless.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
@@ -25,6 +25,7 @@ from model.physics.parameters import FIELDS
 from model.physics.quantities import ANGLE, FORCE, PLAIN, TIME, Quantity
 from model.physics.units import UNITS, Units
 from model.runs.settings import Settings
+from vibralign.answers.causes import in_words_of
 from vibralign.answers.forces import until
 from vibralign.answers.si import display, scale
 from vibralign.device.mouth import MOUTH
@@ -142,6 +143,11 @@ def page_model(
 ) -> dict[str, Any]:
     """Return the content that every page has."""
     said = "; ".join(f"{name}: {words}" for name, words in assumed.items())
+    shape = interface["shape"]
+
+    def in_words(texts: Iterable[tuple[Any, str]]) -> dict[int, str]:
+        return {int(each): in_words_of(shape, text) for each, text in texts}
+
     inserts = "inserted" in interface["events"]  # as the page's engines do, whatever the settings
     return {
         "title": title,
@@ -156,12 +162,12 @@ def page_model(
             zip(interface["limits"], (settings.tolerance, *settings.control), strict=True)
         ),
         "baseline": baseline,
-        "outcomes": {int(each): text for each, text in OUTCOME_TEXT.items()},
-        "reasons": {int(each): text for each, text in REASON_TEXT.items()},
-        "remedies": {int(each): remedy(each, Reason.NONE) for each in Outcome},
-        "remedies_of_reasons": {int(each): words for each, words in _remedies_of_reasons()},
-        "events": [_event_words(each) for each in interface["events"]],
-        "unvibrated": {int(each): text for each, text in UNVIBRATED_TEXT.items()},
+        "outcomes": in_words(OUTCOME_TEXT.items()),
+        "reasons": in_words(REASON_TEXT.items()),
+        "remedies": in_words((each, remedy(each, Reason.NONE)) for each in Outcome),
+        "remedies_of_reasons": in_words(_remedies_of_reasons()),
+        "events": [in_words_of(shape, _event_words(each)) for each in interface["events"]],
+        "unvibrated": in_words(UNVIBRATED_TEXT.items()),
         "panels": [_panel(panel, units) for panel in _PANELS],
         "time": _shown(units, TIME),
         "force": _shown(units, FORCE),

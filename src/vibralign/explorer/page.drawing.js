@@ -214,7 +214,7 @@ function drawScene(g, width, height, frame, device, options) {
   g.fillStyle = COLOURS.faint;
   g.font = "12px system-ui, sans-serif";
   g.fillText("to scale", 6, height - 6);
-  g.fillText(options.exaggeration === 1 ? "at the slot, enlarged" : `at the slot, enlarged; tilt × ${options.exaggeration}`, whole + 14, height - 8);
+  g.fillText(options.exaggeration === 1 ? "enlarged" : `enlarged; tilt × ${options.exaggeration}`, whole + 14, height - 8);
 }
 
 /**

@@ -6,6 +6,9 @@ function outcomeWords(results) {
   return outcome + (reason ? `: ${reason}` : "");
 }
 
+/** Return words with a hole in place of the slot for a round part. @param {string} words */
+const inShape = (words) => (MODEL.interface.shape === "round" ? words.replace(/slot/g, "hole") : words);
+
 /** Return the unit in which times up to one are shown, and its size in the page's unit. @param {number} time in the page's unit @returns {[string, number]} */
 const timeUnit = (time) => (!MODEL.units ? ["", 1] : Math.abs(time) < 1 ? ["ms", 1e-3] : ["s", 1]);
 
@@ -94,7 +97,7 @@ function writeMoment() {
   const frame = frameAt(run.track, time);
   const event = run.track.columns.event[rowAt(run.track, time)];
   const just = event > 0 ? `event: ${MODEL.events[event - 1]}` : "";
-  element("moment").textContent = `${inTime(time)} · ${contactWords(/** @type {any} */ (frame))}${just ? ` · ${just}` : ""}`;
+  element("moment").textContent = `${inTime(time)} · ${inShape(contactWords(/** @type {any} */ (frame)))}${just ? ` · ${just}` : ""}`;
   const scrub = element("scrub");
   scrub.value = String(Math.round((1000 * time) / lastTime()));
   scrub.setAttribute("aria-valuetext", element("moment").textContent);

@@ -43,7 +43,7 @@ def test_changes_are_in_the_units_of_the_file():
 def test_the_shape_may_be_changed():
     assert load_device(EXAMPLE).shape == "square"
     assert load_device(EXAMPLE, {"shape": "round"}).shape == "round"
-    with pytest.raises(DeviceError, match="unknown shape 'oval'"):
+    with pytest.raises(DeviceError, match=r"unknown shape 'oval'.*flat sides write square, .*as diameter"):
         load_device(EXAMPLE, {"shape": "oval"})
 
 
@@ -248,6 +248,8 @@ def test_a_device_saved_in_another_encoding_is_read_or_refused_with_the_remedy(t
         ("mass: 1", "axial_stiffness is missing: a device needs"),
         ("start: slow", "unknown start 'slow'. Valid: simultaneous, pressed"),
         ("mas: 1", "unknown quantity of a device 'mas'. Did you mean 'mass'"),
+        ("width: 12 mm", "'width'. Write diameter, of a square part its width; half_width is half"),
+        ("height: 9 mm", "'height'. Write length, of the whole part; half_height is half of it."),
         ("mass: 1\nmass: 2", "mass: given twice"),
         ("? [1]\n: 2", "cannot be read as YAML"),
     ],

@@ -67,6 +67,8 @@ def test_a_device_and_its_command_agree(started, device_urls, name, address, tmp
     words = capsys.readouterr().out.partition("without vibration: ")[2].partition("\n")[0].strip()
     said = started.text("words") + started.text("beside")
     assert f"ithout vibration it {words}" in said
+    falls = started.evaluate("inShape(contactWords({mode_dropped: 1}))")
+    assert falls == f"falls into the {'hole' if device.shape == 'round' else 'slot'}"
     assert started.errors == []
 
 

@@ -104,6 +104,16 @@ def test_a_device_has_its_own_units() -> None:
     assert model["baseline"]["amplitude"] == device.quantities["amplitude"]
 
 
+@pytest.mark.parametrize(("shape", "other"), [("round", "slot"), ("square", "hole")])
+def test_a_round_part_has_a_hole_and_a_square_one_a_slot(shape: str, other: str) -> None:
+    device = load_device(PEG, {})
+    settings, of = STUDY.settings.settings, {**INTERFACE, "shape": shape}
+    model = device_model(device.values, device.units, "peg.yaml", settings, of)
+    texts = ("outcomes", "reasons", "remedies", "remedies_of_reasons", "unvibrated")
+    said = [*model["events"], *(words for each in texts for words in model[each].values())]
+    assert not [words for words in said if other in words]
+
+
 def test_stored_maps_hold_duration_in_steps_and_what_is_reliable(tmp_path: Path) -> None:
     tau = np.array([[1.0, np.nan, 2.0], [1.5, 2.0, np.nan]])
     reliable = np.array([[1, 0], [0, 1]], dtype=np.int8)
