@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from vibralign.known.next_trial import Next
 
 _LISTED = 3  # trials that are proposed
+_POOR = 0.5  # share of what is possible up to which a setting is better changed
 
 
 def add(commands: Any) -> None:
@@ -115,16 +116,20 @@ def report(found: "Calibration") -> list[str]:
     words = f"trials made by the model are at least as far out with a probability of {share}"
     rival, odds = max(fit.rivals.items(), key=lambda each: each[1], default=("", 0.0))
     better = f"{rival} makes the trials {_factor(odds)} times as probable"
-    if fit.fits:
+    supported = fit.odds > 0.0 or not fit.fits
+    if fit.fits and supported:
         words = f"the model fits the trials: {words}"
+    elif fit.fits:
+        words = f"the trials neither contradict the model nor support it: {words}, but chance, "
+        words += f"fitted to them, makes them {_factor(-fit.odds)} times as probable"
     elif fit.share < LEAST:
         words = f"THE MODEL DOES NOT FIT THESE TRIALS: {words} (less than {100.0 * LEAST:.2g} %)"
     else:
         words = f"THE MODEL DOES NOT FIT THESE TRIALS: {better} (the limit is {BETTER:g})"
     lines = [_line("fit", words), _line("device", device.source)]
     more, less = ("the model", "chance")[:: 1 if fit.odds > 0.0 else -1]
-    words = f"{more} makes them {_factor(abs(fit.odds))} times as probable as {less} does"
-    lines.append(_line("trials", f"{len(found.trials)}; {words}"))
+    words = f"; {more} makes them {_factor(abs(fit.odds))} times as probable as {less} does"
+    lines.append(_line("trials", f"{len(found.trials)}{words if supported else ''}"))
     if odds > 0.0 and better not in lines[0]:
         words = f"{better} (from {BETTER:g} times on, the model does not fit)"
         lines.append(_line("  rival", words))
@@ -174,7 +179,7 @@ def next_lines(after: "Next", found: "Calibration") -> list[str]:
         words = f"everything would add {100.0 * after.knowing_adds:.2g} % to this share"
         lines.append(_line("knowing", words))
     if not after.is_worth_it:
-        return [*lines, _line("next", "no trial is worth making")]
+        return [*lines, _line("next", _without_trial(after, found))]
     best = after.trials[0].bits
     if best < NOISE:
         lines.append(_line("next", f"no trial would tell more than {NOISE} bits about the verdict"))
@@ -185,6 +190,16 @@ def next_lines(after: "Next", found: "Calibration") -> list[str]:
         rows.append((each.words, f"{each.bits:.2f} bits", count))
     head = ["next, and the doubt that it takes away:"] if rows else []
     return [*lines, *head, *in_columns(rows)]
+
+
+def _without_trial(after: "Next", found: "Calibration") -> str:
+    """Return words on what to do where no trial is worth making."""
+    words = "no trial is worth making"
+    if after.share > _POOR:
+        return words
+    if found.device.free:
+        return f"{words}: no setting is much better; widen the ranges below free"
+    return f"{words}: change the setting; state below free what may change, for vibralign design"
 
 
 def _record(found: "Calibration", after: "Next | None") -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 import json
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -116,6 +117,17 @@ def test_what_is_noise_is_not_proposed(bits):
     assert none[-1].startswith("next ")
 
 
+@pytest.mark.parametrize(
+    ("free", "words"), [({}, "for vibralign design"), ({"mass": (1.0, 2.0)}, "below free")]
+)
+def test_where_no_trial_helps_what_does_is_named(free, words):
+    device = SimpleNamespace(device=SimpleNamespace(free=free))
+    poor, good = (next_lines(Next({}, share, 0.0, (), ()), device)[-1] for share in (0.0, 1.0))
+    assert poor.startswith("next            no trial is worth making: ")
+    assert poor.endswith(words)
+    assert good == "next            no trial is worth making"
+
+
 def test_an_interrupt_leaves_what_there_is():
     ranges, calls = load_device(FILE).unknown, []
 
@@ -128,18 +140,24 @@ def test_an_interrupt_leaves_what_there_is():
     found = posterior.sample(ranges, likelihood, target=1e6)
     assert len(found.z) == sum(calls[:2])
     assert found.interrupted
+    none = np.empty((0, 3))
     for odds, words in (
-        (-1.5, "chance makes them 32 times as probable as the model does"),
+        (-1.5, "neither contradict the model nor support it: trials made by the model are at"),
+        (-1.5, "but chance, fitted to them, makes them 32 times as probable\n"),
         (2.0, "the model makes them 100 times as probable as chance does"),
         (6.2, "the model makes them 10^6 times"),
     ):
-        fit = Fit(0.5, odds, (), np.empty((0, 3)))
+        fit = Fit(0.5, odds, (), none)
         text = "\n".join(report(Calibration(load_device(FILE), (), found, (), 1.0, fit)))
         assert words in text
+        assert ("the model fits" in text) == (odds > 0.0)
         assert "too small to conclude; it was interrupted before more were run" in text
+    lines = report(Calibration(load_device(FILE), (), found, (), 1.0, Fit(0.01, -1.5, (), none)))
+    assert "NOT FIT" in lines[0]
+    assert lines[2].endswith("0; chance makes them 32 times as probable as the model does")
     assert found.weights.sum() == pytest.approx(1.0)
     for odds, first in ((0.4, "the model fits"), (0.5, "THE MODEL DOES NOT FIT")):
-        fit = Fit(0.5, 2.0, (), np.empty((0, 3)), {"a soft base": odds, "another": -1.0})
+        fit = Fit(0.5, 2.0, (), none, {"a soft base": odds, "another": -1.0})
         lines = report(Calibration(load_device(FILE), (), found, (), 1.0, fit))
         assert lines[0].startswith(f"fit             {first}")
         (said,) = (each for each in lines if "a soft base makes the trials" in each)
