@@ -12,7 +12,7 @@ from model.physics.notation import RIGHT_EDGE, State
 from model.physics.parameters import Shape, constants_of
 from model.runs.simulate import Trajectory
 from vibralign.answers.leeways import Nearest, steps_between
-from vibralign.answers.si import rounded
+from vibralign.answers.si import in_words_of, rounded
 from vibralign.device.instead import parameter_of
 
 STICKS = 0.99  # share of the time
@@ -47,11 +47,6 @@ def cause_of(run: Trajectory, shape: Shape) -> Cause:
     """Return the cause for which a run of a part of this shape has failed."""
     found = _cause_of(run, shape)
     return found._replace(words=in_words_of(shape, found.words))
-
-
-def in_words_of(shape: Shape, words: str) -> str:
-    """Return the paper's words, with a hole in place of the slot for a round part."""
-    return words.replace("slot", "hole") if shape == "round" else words
 
 
 def _cause_of(run: Trajectory, shape: Shape) -> Cause:

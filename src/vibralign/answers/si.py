@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from model.physics.parameters import FIELDS, Parameters
+from model.physics.parameters import FIELDS, Parameters, Shape
 from model.physics.quantities import (
     ACCELERATION,
     ANGLE,
@@ -172,3 +172,8 @@ def readable(dataset: "xr.Dataset") -> "xr.Dataset":
     coordinates = {name: each for name, each in changed.items() if name in dataset.coords}
     others = {name: each for name, each in changed.items() if name not in coordinates}
     return dataset.assign_coords(coordinates).assign(others)
+
+
+def in_words_of(shape: Shape, words: str) -> str:
+    """Return the paper's words, with a hole in place of the slot for a round part."""
+    return words.replace("slot", "hole") if shape == "round" else words

@@ -19,11 +19,10 @@ from model.runs.simulate import Trajectory, simulate
 from model.runs.unvibrated import unvibrated_results, unvibrated_words
 from model.sweeps.version import version
 from vibralign.answers.assumptions import assumptions, lines_of
-from vibralign.answers.causes import in_words_of
 from vibralign.answers.forces import forces_words, tip_record, until
 from vibralign.answers.lever import lever_record, lever_words, wall_words
 from vibralign.answers.reliability import FORCES
-from vibralign.answers.si import in_words, natural_record, natural_words, rounded
+from vibralign.answers.si import in_words, in_words_of, natural_record, natural_words, rounded
 from vibralign.commands.arguments import add_model_options, announce_compilation, read_inputs
 from vibralign.commands.files import check_picture, writing
 from vibralign.commands.program import add_command, add_json

@@ -25,9 +25,8 @@ from model.physics.parameters import FIELDS
 from model.physics.quantities import ANGLE, FORCE, PLAIN, TIME, Quantity
 from model.physics.units import UNITS, Units
 from model.runs.settings import Settings
-from vibralign.answers.causes import in_words_of
 from vibralign.answers.forces import until
-from vibralign.answers.si import display, scale
+from vibralign.answers.si import display, in_words_of, scale
 from vibralign.device.mouth import MOUTH
 from vibralign.plots.words import symbol_parts
 
