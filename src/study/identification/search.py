@@ -62,7 +62,7 @@ class Found:
 
 @dataclass(frozen=True)
 class Objective:
-    """What a set is scored by: entries that it shows, less what limits it misses.
+    """Score of a set: the entries that it shows, less the limits that it misses.
 
     Attributes:
         limits: of the regime, None to search without.

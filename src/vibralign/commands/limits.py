@@ -32,13 +32,12 @@ def limit_lines(results: "Sequence[LimitResult]") -> list[str]:
     """Return a line on every limit; none without limits."""
     if not results:
         return []
-    rows, are_drawn = [], any(each.drawn is not None for each in results)
+    rows = []
     for each in results:
         limit, itself = _limit(each), _value(each, each.itself)
-        drawn = "" if each.drawn is None else f"{_value(each, each.drawn)} of all drawn"
+        drawn = () if each.drawn is None else (f"{_value(each, each.drawn)} of all drawn",)
         word = "kept" if each.exceeding is None else "exceeded"
-        cells = each.name, f"limit {limit}", f"{itself} as stated", drawn, word
-        rows.append(cells if are_drawn else (*cells[:3], word))
+        rows.append((each.name, f"limit {limit}", f"{itself} as stated", *drawn, word))
     return ["limits:", *in_columns(rows)]
 
 

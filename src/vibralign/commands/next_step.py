@@ -1,4 +1,4 @@
-"""What to try next where no change that was tried helps: a command, ready to paste."""
+"""Command of a map to look at next where no change that was tried helps, ready to paste."""
 
 import math
 import shlex
