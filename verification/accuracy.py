@@ -21,7 +21,7 @@ from model.events.outcomes import Outcome, Reason
 from model.physics.parameters import OF_PAPER, Batch, Parameters
 from model.runs.align import align, run_once
 from model.runs.settings import Settings
-from model.runs.simulate import simulate_once
+from model.runs.simulate import Trajectory, simulate_once
 from model.sweeps.axes import points_of_chunk
 from model.sweeps.files import atomic_write
 from verification.independent import solve
@@ -116,6 +116,22 @@ def _repeats(p: Parameters, settings: Settings, since: float, cycle: float) -> t
     return int(ends[-1]["outcome"][0]), repeats
 
 
+def _moved(run: Trajectory, settings: Settings) -> tuple[int, float]:
+    """Return (outcome at the horizon, farthest motion after ``run``, which settled).
+
+    The state is compared after one cycle, and as many as fit into a 64th, an eighth and all of the
+    time to the horizon, by runs that end there: a track has no samples at the end of every cycle.
+    """
+    cycle = run.period * 2.0 * math.pi / run.parameters.frequency
+    whole = int((settings.horizon - run.time[-1]) / cycle)
+    cycles = [1, whole // 64, whole // 8, whole]
+    on = [
+        simulate_once(run.parameters, replace(settings, horizon=run.time[-1] + n * cycle))
+        for n in cycles
+    ]
+    return int(on[-1].outcome), max(float(np.abs(o.state[-1] - run.state[-1]).max()) for o in on)
+
+
 def _settled(batch: Batch, settings: Settings, longer: float, cores: int) -> Table:
     """Return default runs, and for settled ones the motion up to ``longer`` times the horizon.
 
@@ -136,11 +152,7 @@ def _settled(batch: Batch, settings: Settings, longer: float, cores: int) -> Tab
         run = simulate_once(p, long)
         began[row] = run.time[-1]
         if run.outcome == Outcome.SETTLED:
-            on = simulate_once(p, on_and_on)
-            later[row] = on.outcome
-            ends = np.arange(began[row], on.time[-1] + 1e-6, run.period * excitation)
-            places = np.searchsorted(on.time, ends - 1e-6).clip(0, on.time.size - 1)
-            moved[row] = np.abs(on.state[places] - run.state[-1]).max()
+            later[row], moved[row] = _moved(run, on_and_on)
         else:
             began[row] = run_once(Batch.stack([p]), settings)["time"][0]
             cycle = runs.period[row] * excitation
