@@ -9,6 +9,7 @@ import pytest
 from verification.accuracy import LEAVING
 from verification.fuzz import IN_SLOT, LAWS_IN_SLOT, draw
 from verification.independent import insert, solve, solve_round
+from verification.independent.crossings import first_event
 from verification.independent.motion import Device, Mode
 from verification.independent.solution import MOMENT, Run
 from vibralign import Outcome, Parameters, Reason, simulate
@@ -137,6 +138,15 @@ def test_it_agrees_in_the_slot(number, ending, kinds):
     if ending == "inserted":
         inserted = run.tau_align + run.tau_inserted
         assert solution.time == pytest.approx(inserted, abs=1e-11 + run.insertion_error)
+
+
+def test_a_dip_between_the_last_two_samples_of_a_step_is_found():
+    def gap(time, _state):  # falls below zero at 0.9895, for 0.002
+        return np.abs(np.asarray(time) - 0.9905) - 0.001
+
+    name, time = first_event({"enters": gap}, lambda time: time, 0.0, 1.0, "")
+    assert name == "enters"
+    assert time == pytest.approx(0.9895, abs=1e-12)
 
 
 def test_an_unloaded_contact_slides_as_it_is_driven_though_friction_soon_stops_it(device):

@@ -57,11 +57,13 @@ def _crossing(
         if i == first:
             continue
         drop, rise = values[i - 1] - values[i], values[i + 1] - values[i]
-        if drop >= 0.0 and rise >= 0.0 and values[i] < drop + rise:
+        dips = drop >= 0.0 and rise >= 0.0 and values[i] < drop + rise
+        # A dip between the last two samples shows only where the last drop would go on below zero.
+        if dips or (i == len(times) - 2 and values[i] < drop):
             lowest = minimize_scalar(
-                function, bounds=(times[i - 1], high), method="bounded",
+                function, bounds=(times[i - dips], high), method="bounded",
                 options={"xatol": 1e-3 * (high - low)},
             )  # fmt: skip
             if lowest.fun < 0.0:
-                return float(brentq(function, times[i - 1], lowest.x, xtol=1e-15, rtol=1e-15))
+                return float(brentq(function, times[i - dips], lowest.x, xtol=1e-15, rtol=1e-15))
     return None
