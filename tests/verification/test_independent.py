@@ -101,6 +101,14 @@ def test_a_level_that_begins_at_zero_may_fall_and_rise_within_a_step(number, sol
     assert solver(p, 5.0, 1e-12).tau == pytest.approx(run.tau_align, abs=10.0 * run.tau_error)
 
 
+def test_a_corner_that_passes_the_edge_deep_in_the_flat_leaves_the_scene():
+    p = draw(7, 1145, 1)[0]
+    run = simulate(p, horizon=5.0, tolerance=1e-9, shape="round")
+    solution = solve_round(p, 5.0, 1e-12)
+    assert (run.reason, solution.ending) == (Reason.EDGE_ON_OTHER_FACE, "other face")
+    assert solution.time == pytest.approx(run.time[-1], abs=1e-9)
+
+
 # Sets of the fuzz, their endings in the independent solution, and contacts that they must meet.
 IN_SLOT_RUNS = {
     "all four contacts": (33, "inserted", {"right_side load", "right_wall load", "left_wall load"}),

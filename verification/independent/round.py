@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from model.physics.parameters import Parameters
-from verification.independent.crossings import Function
+from verification.independent.crossings import ON_ZERO, Function
 from verification.independent.motion import (
     LEFT,
     RIGHT,
@@ -93,6 +93,12 @@ class RoundDevice(Device):
             couple=normal[2] - dot(1j * place, push),
         )
 
+    def beside(self, side: int, at: Body) -> Any:
+        """Return a function that is negative while the edge on a side is inside the part's side."""
+        bottom, left, right, top = self.depths(side, at)
+        here = left if side == LEFT else right
+        return highest(-here, here - bottom, -top)
+
     def height(self, tilt: float) -> float:
         """Return the height of the mass centre of a part at x(0) that touches the base."""
         if tilt <= 0.0:
@@ -130,9 +136,7 @@ class RoundRun(Run):
                 )  # fmt: skip
 
             def beside(at: Body, side: int = side) -> Any:
-                bottom, left, right, top = d.depths(side, at)
-                here = left if side == LEFT else right
-                return highest(-here, here - bottom, -top)
+                return d.beside(side, at)
 
             add(f"{name} tips", meets)
             if side == LEFT or not (mode.edge == RIGHT and mode.corner != "off"):
@@ -152,7 +156,9 @@ class RoundRun(Run):
             return self._next(time, z, mode, replace(mode, edge=side, face="on"))
         if name == "left enters":
             return self._next(time, z, mode, replace(mode, side="on"))
-        if name == "right enters":
+        # A corner pressed into the flat may pass the edge while the edge is inside the side.
+        passed = name == "corner end" and mode.edge == RIGHT
+        if name == "right enters" or (passed and self.device.beside(RIGHT, body(z)) < -ON_ZERO):
             return "other face"
         return super().after(name, time, z, mode)
 
