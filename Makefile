@@ -8,8 +8,7 @@
 # make null       random devices drawn anew: after priors, ledger, physics or their grid have changed
 # make fuzz       random sets over the whole domain of the parameters; SETS=1000000 for a million, to
 #                 which finished parts count; SCENE=insertion for devices that fall in
-# make truth      alignment times against heyoka, in the environment of `make bench`
-# make truth-round  the table of round pegs, in three dimensions, in the same environment: an hour
+# make truth-round  the table of round pegs, in three dimensions, in the environment of `make bench`: an hour
 # make bench      speed against other integrators, in an environment of its own (about 15 minutes);
 #                 BENCH_FLAGS=--quick for a rough table in three
 # make nightly    tests that take long: 50 kills, full disks, mutations, the smoke study in two folders
@@ -45,7 +44,7 @@ unexport PYTHONHOME PYTHONPATH PYTHONDONTWRITEBYTECODE
 
 .PHONY: all smoke maps accuracy identification null fuzz
 .PHONY: test lint types layers workflow unit environment environment-bench python lock
-.PHONY: truth truth-round bench nightly script-types browser-test slurm-test docs
+.PHONY: truth-round bench nightly script-types browser-test slurm-test docs
 .PHONY: clean distclean
 
 # --------------------------------------------------------------------------------------- the study
@@ -137,10 +136,6 @@ nightly: environment
 # PYTHONPATH in place of an installation: the environment has no vibralign.
 bench: environment-bench
 	PYTHONPATH=src .venv-bench/bin/python -m verification.bench $(BENCH_FLAGS)
-
-TRUTH_FLAGS ?=
-truth: environment-bench
-	PYTHONPATH=src .venv-bench/bin/python -m verification.bench.truth $(TRUTH_FLAGS)
 
 # The table of round pegs against a reference in three dimensions, which `make test` reads: an hour;
 # ROUND_FLAGS="--points 2 3" for some of its rows.

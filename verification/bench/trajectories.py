@@ -10,15 +10,13 @@ peers solve the same equations with the same events. Friction is Coulomb's, with
 - fig06, fig13: points drawn from the figures' own sweeps (``drawn_points``), all of which align.
 """
 
-from collections.abc import Iterator
-
 import numpy as np
 
 from study.config import load_study, study_path
 from study.plans import sweep_of
 from verification.bench.problems import SEED, Problem, neighbours
 from verification.independent.motion import LEFT, RIGHT, Device, body
-from vibralign import Batch, Outcome, Parameters, Scene, Settings, align, simulate
+from vibralign import Outcome, Parameters, Scene, Settings, align, simulate
 
 W1 = Parameters(
     half_width=1.0,
@@ -70,7 +68,8 @@ def only_right_edge(case: Parameters, horizon: float) -> bool:
 def drawn_points(figure: str, count: int) -> tuple[Parameters, ...]:
     """Return the first ``count`` points of a figure, in a fixed random order, that peers can run.
 
-    These are the points of ``with_right_edge_only``.
+    They align and are not sensitive, align at the same time in a scene whose only contact is an
+    edge under the bottom face, and pass ``only_right_edge``.
 
     Raises:
         ValueError: there are fewer such points.
@@ -78,31 +77,19 @@ def drawn_points(figure: str, count: int) -> tuple[Parameters, ...]:
     study = load_study(study_path())
     sweep = sweep_of(study, figure)
     order = np.random.default_rng(SEED).permutation(int(np.prod(sweep.shape)))
-    horizon, chosen = study.settings.horizon, []
+    horizon = study.settings.horizon
+    chosen: list[Parameters] = []
     for first in range(0, len(order), 4 * count):
         batch = sweep.batch(order[first : first + 4 * count])
-        for case, *_ in with_right_edge_only(batch, Settings(horizon=horizon)):
-            chosen.append(case)
-            if len(chosen) == count:
-                return tuple(chosen)
+        full = align(batch, horizon=horizon, cores=1)
+        edge = align(batch, horizon=horizon, cores=1, scene=_RIGHT_EDGE_ONLY)
+        same = (full.outcome == Outcome.ALIGNED) & ~full.sensitive
+        same &= full.tau_align == edge.tau_align
+        found = (batch[row] for row in np.flatnonzero(same).tolist())
+        chosen += [case for case in found if only_right_edge(case, horizon)]
+        if len(chosen) >= count:
+            return tuple(chosen[:count])
     raise ValueError(f"{figure}: only {len(chosen)} of {count} points qualify")
-
-
-def with_right_edge_only(
-    batch: Batch, settings: Settings
-) -> Iterator[tuple[Parameters, float, float]]:
-    """Yield (set, alignment time, its error) for the sets that peers can run.
-
-    They align and are not sensitive, align at the same time in a scene whose only contact is an
-    edge under the bottom face, and pass ``only_right_edge``.
-    """
-    full = align(batch, settings, cores=1)
-    edge = align(batch, settings, cores=1, scene=_RIGHT_EDGE_ONLY)
-    same = (full.outcome == Outcome.ALIGNED) & ~full.sensitive
-    same &= full.tau_align == edge.tau_align
-    for row in np.flatnonzero(same).tolist():
-        if only_right_edge(batch[row], settings.horizon):
-            yield batch[row], float(full.tau_align[row]), float(full.tau_error[row])
 
 
 def all_problems(points: int, neighbours_of_w: int) -> list[Problem]:

@@ -1,46 +1,21 @@
-"""Alignment times beside those of other codes, as last measured: for the report and the docs.
+"""Alignment times and speed beside those of other codes, as last measured: for report and docs.
 
 They take minutes and an environment of their own, so that no build of the study makes them anew.
 """
 
-from typing import NamedTuple
-
-
-class Check(NamedTuple):
-    """Random sets that a second code ran as well.
-
-    Attributes:
-        code: the second code.
-        states: what it states again, and so what it shares no error in.
-        sets: number of sets that align.
-        agrees: how many agree, and by what measure.
-        median: median distance of the alignment times.
-        largest: largest distance, or a quantile.
-        command: command that measures it.
-        commit: commit at which it was measured.
-    """
-
-    code: str
-    states: str
-    sets: str
-    agrees: str
-    median: str
-    largest: str
-    command: str
-    commit: str
-
-
+# Random sets that align, which a second code ran as well: what it states again, and so shares no
+# error in; number of sets; how many agree, and how far alignment times are apart.
 HEAD = ("code", "states again", ">sets", "agree", ">apart: median", ">largest", "by", "commit")
 CHECKS = (
-    Check(
+    (
         "independent solution", "contacts, friction, events, transitions",
         "215", "214 within the estimated errors, all within ten times them", "4 × 10⁻¹³",
         "3 × 10⁻¹⁰", "make accuracy, its first 500 sets", "ac68ce1",
     ),
-    Check(
+    (
         "heyoka 7.13, tolerance 10⁻¹⁵", "equations of motion, events under one edge",
         "600", "600 within the estimated errors", "4 × 10⁻¹³", "8 × 10⁻¹⁰",
-        "make truth", "ac68ce1",
+        "a command of that commit", "ac68ce1",
     ),
 )  # fmt: skip
 
