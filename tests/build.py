@@ -61,7 +61,6 @@ TINY: dict[str, Any] = {
             "tolerances": [1e-3, 1e-6],
             "steps": [0.01],
             "max_evaluations": 20_000,
-            "max_evaluations_scipy": 1_000,
         },
         "cases": {"never_aligning": {"until": 3.0}},
         "hard": {
@@ -69,9 +68,7 @@ TINY: dict[str, Any] = {
                 "tolerances": [1e-3],
                 "steps": [0.01],
                 "max_evaluations": 2_000,
-                "max_evaluations_scipy": 50,
             },
-            "every_method": ["no_friction"],
             "base": {"stiffness": [1e2, 1e4], "damping": [1.0], "until": 0.1},
             "cases": {
                 name: {"until": 0.1, "max_evaluations": 2_000}

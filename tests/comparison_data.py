@@ -30,10 +30,10 @@ MADE_UP = {
         "base_100_0": [(0.001, 3e-4, 8000, RIGHT, 400.0)],
         "overturning": [(0.001, NAN, 900, WRONG, NAN)],
     },
-    "scipy_rk45": {
-        "aligned": [(1e-6, 1e-6, 900, RIGHT, 4000.0)],
-        "overturning": [(1e-6, NAN, 40_001, SPENT, NAN)],
-        "bouncing": [(1e-3, NAN, 900, WRONG, NAN), (1e-6, 2e-3, 9000, RIGHT, 50000.0)],
+    "semi_implicit_euler_fixed": {
+        "aligned": [(0.001, 1e-6, 8000, RIGHT, 400.0)],
+        "overturning": [(0.001, NAN, 40_001, SPENT, NAN)],
+        "bouncing": [(0.1, NAN, 900, WRONG, NAN), (0.01, 2e-3, 9000, RIGHT, 500.0)],
     },
 }  # fmt: skip
 

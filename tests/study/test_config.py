@@ -72,7 +72,7 @@ REFUSED = [
     ("precision.cases.aligned.figure", "fig01", ["precision.cases.aligned", "'fig01'", "fig05"]),
     ("precision.cases.aligned.at.frictoin", 0.1, ["cases.aligned.at", "frictoin", "'friction'"]),
     ("precision.hard.base.stiffness", [0.0], ["cases.base_0", "contact_stiffness = 0.0", "> 0"]),
-    ("precision.hard.every_method", ["slw"], ["every_method", "slw", "slow"]),
+    ("precision.hard.independent", ["slw"], ["independent", "slw", "slow"]),
     ("evidence.others", {"wdie": {}}, ["others.wdie", "'wide'", "wdie.fig05.friction: missing"]),
     ("evidence.others", {"wide": {"widht": 1.0}}, ["others.wide.widht: no unknown"]),
     ("precision.ladder.tolerances", [1e-3, 1e-2], ["[0.001, 0.01]", "must fall"]),
@@ -178,8 +178,7 @@ def test_smoke_changes_only_sizes() -> None:
         "evidence": {"near", "assumptions"},
         "accuracy": {"sets", "chunks", "sets_a_job"},
         "precision": {
-            "tolerances", "steps", "max_evaluations", "max_evaluations_scipy", "every_method",
-            "independent",
+            "tolerances", "steps", "max_evaluations", "independent",
             "stiffness", "damping", "until",
         },
         "jamming": {"count"},

@@ -1,6 +1,5 @@
 """Plan of the comparison of methods: without texts, so that new wording computes nothing."""
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from model.physics.parameters import Parameters
@@ -11,11 +10,7 @@ from study.config.methods import Ladder
 if TYPE_CHECKING:
     from study.config.study import Study
 
-# Paths of the pictures, below the results root and without extension.
-PICTURES: Mapping[str, str] = {
-    "times": "benchmarks/precision",
-    "evaluations": "figures/precision",
-}
+PICTURE = "benchmarks/precision"  # its path, below the results root and without extension
 
 
 class CasePlan(Plan):
@@ -25,14 +20,12 @@ class CasePlan(Plan):
         parameters: the operating point.
         until: time τ at which a run ends that has not aligned.
         ladder: tolerances, steps and limits of evaluations.
-        every_method: False if the methods of SciPy do not run it.
         independent: True if the independent solution gives its true solution.
     """
 
     parameters: dict[str, float | None]
     until: float
     ladder: Ladder
-    every_method: bool = True
     independent: bool = True
 
 
@@ -55,14 +48,11 @@ def precision_plan(study: "Study") -> PrecisionPlan:
         for name, case in precision.cases.items()
     }
     for name, each in hard.all_cases.items():
-        every, limit = name in hard.every_method, each.max_evaluations
-        limit = hard.ladder.max_evaluations_scipy if every else limit
-        limited = {"max_evaluations": limit or hard.ladder.max_evaluations}
+        limited = {"max_evaluations": each.max_evaluations or hard.ladder.max_evaluations}
         cases[name] = CasePlan(
             parameters=study.baseline.replace(**each.at).given(),
             until=each.until,
             ladder=hard.ladder.model_copy(update=limited),
-            every_method=every,
             independent=name in hard.independent,
         )
     return PrecisionPlan(cases=cases, settings=study.settings)

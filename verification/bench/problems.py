@@ -1,6 +1,5 @@
 """Problems, parameter sets that methods are to run, and their solutions."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import IntEnum
@@ -62,15 +61,12 @@ class Problem:
         settings: horizon, equations and limit of evaluations; a method sets its own tolerance.
         checkpoints: times at which states are compared if no case aligns; empty if all do, and then
             the alignment time is compared.
-        interpreted_evaluations: limit of evaluations for methods that step in Python, where a step
-            costs about fifty times a compiled one.
     """
 
     name: str
     cases: tuple[Parameters, ...]
     settings: Settings
     checkpoints: tuple[float, ...] = ()
-    interpreted_evaluations: float = math.inf
 
     @property
     def stops(self) -> tuple[float, ...]:

@@ -93,13 +93,7 @@ def problem_of(plan: PrecisionPlan, name: str) -> Problem:
         may_settle=False,
     )
     parameters = Parameters(**case.parameters)  # type: ignore[arg-type]
-    limit = case.ladder.max_evaluations_scipy
-    return Problem(name, (parameters,), settings, interpreted_evaluations=limit)
-
-
-def methods_for(case: CasePlan) -> list[str]:
-    """Return the names of the methods that run a case."""
-    return [name for name in METHODS if case.every_method or not METHODS[name].interpreted]
+    return Problem(name, (parameters,), settings)
 
 
 def true_run(plan: PrecisionPlan, name: str) -> Truth:

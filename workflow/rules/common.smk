@@ -4,7 +4,6 @@ from pathlib import Path
 
 from study.plans import sweep_of
 from study.tracking.code import code_of
-from verification.bench.plans import PICTURES
 
 
 def code(script):

@@ -1,14 +1,13 @@
 """Comparison of methods: error against cost, on usual and on hard cases.
 
-Errors and evaluations are the same in every build. CPU times are not: they are kept in benchmarks/,
-and nothing in data/ or figures/ is made from them.
+Errors and evaluations are the same in every build. CPU times are not: they are kept in benchmarks/
+with the picture that is made from them.
 """
 
-from verification.bench.plans import precision_plan
+from verification.bench.plans import PICTURE, precision_plan
 
 
-# One job for both outputs, so that the most expensive runs are made once. Snakemake limits a job of
-# one thread to one thread of linear algebra: with more, scipy's Radau would round otherwise.
+# One job for both outputs, so that the most expensive runs are made once.
 rule precision:
     input:
         "<results>/data/kernels.json",
@@ -28,19 +27,17 @@ rule precision:
         "../scripts/precision.py"
 
 
-# One job for both pictures, because a start of Python costs more than drawing them.
 rule draw_methods:
     input:
-        data="<results>/data/precision.csv",
         times="<results>/benchmarks/precision.csv",
     output:
-        [f"<results>/{place}.{kind}" for place in PICTURES.values() for kind in ("svg", "pdf")],
+        [f"<results>/{PICTURE}.{kind}" for kind in ("svg", "pdf")],
         png=report(
-            [f"<results>/{place}.png" for place in PICTURES.values()],
+            f"<results>/{PICTURE}.png",
             caption="../report/methods.rst",
             category="Methods",
         ),
-        record="<results>/figures/methods.run.json",
+        record="<results>/benchmarks/methods.run.json",
     log:
         "<results>/logs/draw_methods.log",
     localrule: True
@@ -48,6 +45,6 @@ rule draw_methods:
         *code("draw_methods"),
         cases={name: case.title for name, case in study.precision.cases.items()},
     message:
-        "methods: drawing their comparison"
+        "drawing the comparison of methods"
     script:
         "../scripts/draw_methods.py"

@@ -4,15 +4,16 @@ from pathlib import Path
 
 from model.sweeps.files import write_text
 from study.tracking.records import recorded, snakemake
+from verification.bench.methods import METHODS
 from verification.bench.plans import PrecisionPlan
-from verification.bench.work_precision import Setting, measured, methods_for, table_of, true_run
+from verification.bench.work_precision import Setting, measured, table_of, true_run
 
 with recorded(snakemake) as metadata:
     plan = PrecisionPlan.model_validate(snakemake.params.plan)
     settings: list[Setting] = []
-    for case, numbers in plan.cases.items():
+    for case in plan.cases:
         truth = true_run(plan, case)
-        for method in methods_for(numbers):
+        for method in METHODS:
             settings += measured(plan, case, method, truth)
     write_text(table_of(settings, times=False), Path(snakemake.output.data))
     write_text(table_of(settings, times=True), Path(snakemake.output.times))

@@ -131,10 +131,9 @@ def _cases(study: Study, faults: list[str]) -> None:
         with _noted(f"precision.hard.cases.{name}.at", faults):
             study.baseline.replace(**hard.at)
     hard_cases = study.precision.hard
-    for part in ("every_method", "independent"):
-        for name in getattr(hard_cases, part):
-            with _noted(f"precision.hard.{part}", faults):
-                check_name(name, list(hard_cases.all_cases), "hard case")
+    for name in hard_cases.independent:
+        with _noted("precision.hard.independent", faults):
+            check_name(name, list(hard_cases.all_cases), "hard case")
 
 
 def _others(study: Study, faults: list[str]) -> None:

@@ -36,9 +36,7 @@ class Ladder(Strict):
     true_tolerance: Tolerance
     """Tolerance of the reference solution, by the default method."""
     max_evaluations: int = Field(ge=1)
-    """Evaluations after which a compiled method ends its ladder."""
-    max_evaluations_scipy: int = Field(ge=1)
-    """Evaluations after which a method of SciPy ends its ladder."""
+    """Evaluations after which a method ends its ladder."""
 
     @model_validator(mode="after")
     def _gets_finer(self) -> "Ladder":
@@ -83,8 +81,6 @@ class HardCases(Strict):
 
     ladder: Ladder
     """Tolerances, steps and limits of evaluations on these cases."""
-    every_method: list[str] = Field(min_length=1)
-    """Cases that the methods of SciPy run as well, all methods within SciPy's limit."""
     independent: list[str] = Field(default_factory=list)
     """Cases whose true solution is the independent one, which takes seconds of some."""
     base: StiffnessCases

@@ -1,17 +1,16 @@
-"""Runs with fixed steps: evaluations, ends, convergence; scipy on the same right-hand side."""
+"""Runs with fixed steps: evaluations, ends, convergence."""
 
-from math import ceil, cos, inf, isnan, sin
+from math import ceil, cos, isnan, sin
 
 import numpy as np
 import pytest
 
 from model.compile.entries import compiled
 from model.physics.contacts import contact_load, edge_on_face
-from model.physics.notation import RIGHT_EDGE
+from model.physics.notation import RIGHT_EDGE, State
 from verification.bench.methods import by_hand
-from verification.bench.methods.by_hand import outside_of, solve_by_hand, state_of
-from verification.bench.methods.scipy_unlocated import ScipyUnlocated
-from verification.bench.problems import Problem, Verdict
+from verification.bench.methods.by_hand import solve_by_hand
+from verification.bench.problems import Verdict
 from vibralign import Batch, Settings, Variants, align
 
 COST = {"rk4": 4, "semi_implicit_euler": 1}
@@ -22,9 +21,9 @@ def solved(case, scheme, step, **changes):
     return solve_by_hand(Batch.stack([case]), scheme, step, Settings(**changes))
 
 
-def outside(case, solution):
-    at = np.array([0.0, *solution.states[0, 0]])
-    return outside_of(at, Batch.stack([case]).constants(Variants())[0])
+rates_at, rk4_step, euler_step, outside_at = map(
+    compiled, (by_hand.rates, by_hand.rk4_step, by_hand.euler_step, by_hand.outside)
+)
 
 
 @pytest.fixture(scope="module")
@@ -34,7 +33,7 @@ def slow(device):
 
 
 @schemes
-def test_a_run_ends_with_the_step_in_which_the_part_fell(slow, scheme):
+def test_a_run_ends_with_the_step_in_which_the_part_fell(slow, scheme, constants):
     h = 0.01
     run = solved(slow, scheme, h)
     steps = ceil(run.tau_align[0] / h)
@@ -43,7 +42,9 @@ def test_a_run_ends_with_the_step_in_which_the_part_fell(slow, scheme):
     # The step before, it had not: the fall lies between, where a line crosses zero.
     earlier = solved(slow, scheme, h, horizon=(steps - 1) * h)
     assert isnan(earlier.tau_align[0])
-    before, after = outside(slow, earlier), outside(slow, run)
+    before, after = (
+        outside_at(State(*each.states[0, 0]), constants(slow)) for each in (earlier, run)
+    )
     assert before > 0.0 > after
     time = h * (steps - 1 + before / (before - after))
     assert run.tau_align[0] == pytest.approx(time, abs=1e-12)
@@ -54,17 +55,6 @@ def test_a_part_that_has_fallen_in_at_the_start_takes_no_step(device, scheme):
     inside = device.replace(misalignment=0.01)
     run = solved(inside, scheme, 0.01)
     assert (run.tau_align[0], run.evaluations, run.failure) == (0.0, 0, None)
-    problem = Problem("inside", (inside,), Settings())
-    assert ScipyUnlocated("RK45").solve(problem, [inside], 1e-6, inf).tau_align[0] == 0.0
-
-
-def test_scipy_takes_a_part_that_starts_beside_the_edge_for_not_fallen_yet(device):
-    edge = {"half_width": 1.0, "clearance": 0.09375, "misalignment": 0.09375, "initial_tilt": 0.0}
-    beside = device.replace(**edge)
-    problem = Problem("beside", (beside,), Settings(horizon=0.1))
-    run = ScipyUnlocated("DOP853").solve(problem, [beside], 1e-8, inf)
-    assert isnan(run.tau_align[0])
-    assert run.failure is None
 
 
 # Devices that meet each contact of the right-hand side. It infers how deep a corner was when it
@@ -119,20 +109,6 @@ def test_a_batch_is_its_runs_one_by_one(device):
     np.testing.assert_array_equal(together.states, np.concatenate([each.states for each in alone]))
 
 
-def test_scipy_gets_the_same_problem_and_locates_the_fall(slow):
-    problem = Problem("slow", (slow,), Settings(horizon=20.0))
-    found = ScipyUnlocated("RK45").solve(problem, problem.cases, 1e-8, inf)
-    assert found.tau_align[0] == pytest.approx(align([slow]).tau_align[0], abs=1e-4)
-    assert abs(outside(slow, found)) < 1e-8
-    at_once = Problem("slow", (slow,), problem.settings, interpreted_evaluations=0)
-    stopped = ScipyUnlocated("RK45").solve(at_once, problem.cases, 1e-8, inf)
-    assert stopped.failure is Verdict.TOO_MANY_EVALUATIONS
-    start = stopped.states[0, 0]
-    assert start[0] == slow.misalignment
-    assert start[2] == slow.initial_tilt
-    assert np.all(start[3:] == 0.0)
-
-
 # ----------------------------------------------------------------------------------- order of steps
 
 
@@ -145,14 +121,11 @@ def pressed(along_face, depth, tilt, p):
 
 
 HALVINGS = 6
-rates_at, rk4_step, euler_step = map(
-    compiled, (by_hand.rates, by_hand.rk4_step, by_hand.euler_step)
-)
 
 
 def integrated(scheme, p, count):
     """The state at τ = 0.2 after ``count`` equal steps, sliding on A1 and pressed all the way."""
-    q = state_of(np.array([*pressed(0.5, 0.05, 0.1, p), 0.1, -0.5, 0.0, 0.0]))
+    q = State(*pressed(0.5, 0.05, 0.1, p), 0.1, -0.5, 0.0, 0.0)
     h = 0.2 / count
     for i in range(count):
         k1 = rates_at(i * h, q, p)
@@ -174,7 +147,7 @@ def test_order_on_a_smooth_stretch(scheme, order, device, constants):
 
 
 def test_a_part_at_rest_has_no_friction(device, constants):
-    q = state_of(np.array([*pressed(0.9, 0.05, 0.0, constants(device)), 0.0, 0.0, 0.0, 0.0]))
+    q = State(*pressed(0.9, 0.05, 0.0, constants(device)), 0.0, 0.0, 0.0, 0.0)
     own, frictionless = (constants(each) for each in (device, device.replace(friction=0.0)))
     assert rates_at(0.0, q, own) == rates_at(0.0, q, frictionless)
     moving = q._replace(x_rate=1e-9)
@@ -185,5 +158,5 @@ def test_a_part_past_the_edge_is_outside_as_printed_until_its_corners_are_in(dev
     printed = Variants(alignment_criterion="printed")
     for readings, inside in ((Variants(), True), (printed, False)):
         p = constants(device, readings)
-        q = state_of(np.array([*pressed(p.half_width + 1e-3, 0.02, 0.1, p), 0.1, 0.0, 0.0, 0.0]))
-        assert (by_hand.outside(q, p) < 0.0) == inside
+        q = State(*pressed(p.half_width + 1e-3, 0.02, 0.1, p), 0.1, 0.0, 0.0, 0.0)
+        assert (outside_at(q, p) < 0.0) == inside

@@ -9,7 +9,6 @@ from collections.abc import Mapping
 from verification.bench.methods.base import Method
 from verification.bench.methods.by_hand import FixedSteps
 from verification.bench.methods.package import Package
-from verification.bench.methods.scipy_unlocated import ScipyUnlocated
 
 _TOGETHER = 16  # runs that spread the cost of a call, where they are short
 
@@ -19,8 +18,4 @@ METHODS: Mapping[str, Method] = {
     "semi_implicit_euler_fixed": FixedSteps(
         "semi-implicit Euler, fixed steps", "semi_implicit_euler"
     ),
-    "scipy_rk45": ScipyUnlocated("RK45"),
-    "scipy_dop853": ScipyUnlocated("DOP853"),
-    "scipy_lsoda": ScipyUnlocated("LSODA"),
-    "scipy_radau": ScipyUnlocated("Radau"),
 }

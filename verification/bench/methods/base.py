@@ -19,19 +19,16 @@ class Method:
 
     Attributes:
         name: name in tables and legends.
-        fixed: True if the resolution is the length of a step, False if it is a tolerance.
-        interpreted: True if every step runs through Python; evaluations alone then compare it.
+        fixed: True if the resolution is the length of a step, across events; False if it is a
+            tolerance, and the method locates all events.
         stages: evaluations of a fixed step.
-        located: True if the method locates all events.
         batch: number of trajectories in a call.
         vectorized: True if the trajectories of a batch run in vectors.
     """
 
     name: str
     fixed: bool = False
-    interpreted: bool = False
     stages: int = 1
-    located: bool = True
     batch: int = 1
     vectorized: bool = False
     _is_warm: bool = False

@@ -49,19 +49,6 @@ _EVERY_CONTACT, _EVENTS = in_kernels(ALIGNMENT)
 
 
 @inlined_kernel
-def state_of(y):
-    """Return the state vector ``y``, shape (6,), as a ``State``."""
-    return State(*(y[n] for n in range(STATE_SIZE)))
-
-
-@inlined_kernel
-def store_in(q, out):
-    """Write a state, or its rates, into ``out``, shape (6,)."""
-    for n, value in enumerate(q):
-        out[n] = value
-
-
-@inlined_kernel
 def _force(contact, depth, q, p):
     """Return the generalized force (x, y, moment) of a contact, n and T together."""
     n = max(0.0, contact_load(depth, contact.closing_rate, q, p))
@@ -161,24 +148,8 @@ def run_each(rows, euler, h, horizon, most_steps, out):
         if level < 0.0:
             time = time - length * level / (level - before)
         out[row, 0], out[row, 1], out[row, 2], out[row, 3] = level < 0.0, finished, steps, time
-        store_in(q, out[row, 4:])
-
-
-@compiled
-@kernel
-def write_rates(at, row, out):
-    """Write ``rates`` with the constants in ``row`` into ``out``, shape (6,).
-
-    ``at`` holds time and state, shape (7,).
-    """
-    store_in(rates(at[0], state_of(at[1:]), constants_in(_EVENTS, row)), out)
-
-
-@compiled
-@kernel
-def outside_of(at, row):
-    """Return ``outside`` at time and state in ``at``, with the constants in ``row``."""
-    return outside(state_of(at[1:]), constants_in(_EVENTS, row))
+        for n, value in enumerate(q):
+            out[row, 4 + n] = value
 
 
 Scheme = Literal["rk4", "semi_implicit_euler"]
@@ -189,7 +160,6 @@ class FixedSteps(Method):
     """Compiled runs with equal steps."""
 
     fixed = True
-    located = False
 
     def __init__(self, name: str, scheme: Scheme) -> None:
         self.name, self.scheme, self.stages = name, scheme, STAGES[scheme]

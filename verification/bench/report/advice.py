@@ -1,7 +1,7 @@
 """Cost of methods at a required error, and advice on the choice of a method."""
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Sequence
 from itertools import takewhile
 
 from verification.bench.methods import METHODS
@@ -59,8 +59,8 @@ def _choice(
 ) -> str:
     """Return which method to choose for a purpose that asks for an error, and what others need.
 
-    It is the method that keeps the error in all cases in the least time (geometric mean). Times are
-    compared with those of compiled methods only, evaluations with those of all.
+    It is the method that keeps the error in all cases in the least time (geometric mean). The times
+    of fixed steps are those of the best of them in each case in which any keeps the error.
     """
     need, error = needs(settings, target), power(target)
     costs = {
@@ -72,33 +72,16 @@ def _choice(
         return f"No method keeps the true error below {error} in every kind of motion."
     best = min(costs, key=lambda method: math.prod(costs[method]))
     times = _range([f"{cost:,.0f}" for cost in sorted(costs[best])])
+    fixed = [name for name, method in METHODS.items() if method.fixed and name != best]
+    ratios = []
+    for case, own in zip(cases, costs[best], strict=True):
+        others = [need[name, case].microseconds for name in fixed if (name, case) in need]
+        ratios += [min(others) / own] if others else []
+    ratio = _range([short(each) for each in sorted(ratios)]) if ratios else ""
+    longer = f"take {ratio} times as long in {len(ratios)}" if ratios else "keep it in none"
     return (
         f"For {purpose} choose {METHODS[best].name}: it keeps the true error below {error} in "
-        f"every case, at {times} µs a trajectory; {_others(need, best, cases)}."
-    )
-
-
-def _others(need: Mapping[tuple[str, str], Setting], best: str, cases: Collection[str]) -> str:
-    """Return how many times the cost of ``best`` methods without event location have."""
-
-    def times(work: str, methods: Collection[str]) -> str:
-        """Return the least cost over that of ``best`` in the cases, "" if no method gets there."""
-        ratios = []
-        for case in cases:
-            costs = [getattr(need[each, case], work) for each in methods if (each, case) in need]
-            ratios += [min(costs) / getattr(need[best, case], work)] if costs else []
-        found = [short(ratio) for ratio in sorted(ratios)]
-        return f"{_range(found)} times {{}} in {len(ratios)} of {len(cases)} cases" if found else ""
-
-    unlocated = [name for name, method in METHODS.items() if not method.located]
-    evaluations = times("rhs_evaluations", unlocated)
-    if not evaluations:
-        return "no method without event location gets there in any case"
-    time = times("microseconds", [name for name in unlocated if not METHODS[name].interpreted])
-    longer = f"takes {time.format('as long')}" if time else "gets there in no case"
-    return (
-        f"the best method without event location needs {evaluations.format('as many evaluations')}"
-        f" and gets there in no other; the best whose steps are compiled {longer}"
+        f"every case, at {times} µs a trajectory; fixed steps {longer} of {len(cases)} cases."
     )
 
 

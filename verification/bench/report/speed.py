@@ -10,10 +10,10 @@ from model.engine.series_layout import ORDER
 from study.config.study import Study
 from study.report.section import Results, Section, Table, link, settings_of, subscripts
 from verification.bench.methods import METHODS
-from verification.bench.plans import PICTURES
+from verification.bench.plans import PICTURE
 from verification.bench.report.advice import COARSE, FINE, advice, ladders, nearest, needs
 from verification.bench.report.checks import CHECKS, HEAD, SPEED_HEAD, SPEEDS, SPEEDS_BY
-from verification.bench.report.work_precision_plots import CAPTIONS
+from verification.bench.report.work_precision_plots import CAPTION
 from verification.bench.work_precision import Setting, read_settings
 from vibralign.plots.words import figure_title, number, power
 
@@ -24,10 +24,10 @@ def section(results: Results) -> Section:
     settings = read_settings(results.file("benchmarks/precision.csv"))
     lead, *sentences = advice(settings, [*precision.cases])
     content = {
-        "sentences": [*sentences, _by_hand(settings), *_counts(settings, results.study)],
+        "sentences": [*sentences, _by_hand(settings)],
         "checked": _checked(settings, results.study),
         "cases": _cases(results.study),
-        "pictures": [results.picture(place, CAPTIONS[name]) for name, place in PICTURES.items()],
+        "picture_of_times": results.picture(PICTURE, CAPTION),
         "tables": [
             (target, _needed(settings, target, precision.titles)) for target in (COARSE, FINE)
         ],
@@ -48,38 +48,14 @@ def _by_hand(settings: Sequence[Setting]) -> str:
     for target in (COARSE, FINE):
         times: dict[str, dict[bool, float]] = {}  # by case, and by whether the steps are fixed
         for (name, case), need in needs(settings, target).items():
-            method, least = METHODS[name], times.setdefault(case, {})
-            if not method.interpreted:
-                before = least.get(method.fixed, math.inf)
-                least[method.fixed] = min(before, need.microseconds)
-        known = [each for each in times.values() if each]
-        faster = sum(each.get(True, math.inf) < each.get(False, math.inf) for each in known)
-        words.append(f"at {power(target)} in {faster} of {len(known)}")
+            least, fixed = times.setdefault(case, {}), METHODS[name].fixed
+            least[fixed] = min(least.get(fixed, math.inf), need.microseconds)
+        faster = [each.get(True, math.inf) < each.get(False, math.inf) for each in times.values()]
+        words.append(f"at {power(target)} in {sum(faster)} of {len(faster)}")
     return (
         "Fixed steps, as one would write them by hand, take less time than this package "
         f"{' and '.join(words)} of the cases in which either keeps the error."
     )
-
-
-def _counts(settings: Sequence[Setting], study: Study) -> list[str]:
-    """Return for each method on how many of its cases it keeps the coarse error.
-
-    Cases whose truth is an independent solution are counted apart from those of our own engine.
-    """
-    known = {each.case for each in settings if not math.isnan(each.error)}
-    apart = known & {*study.precision.cases, *study.precision.hard.independent}
-    need, judges = needs(settings, COARSE), {}
-    judges["the independent solution"], judges["our own engine"] = apart, known - apart
-    counts = []
-    for name, method in METHODS.items():
-        numbers = []
-        for judge, cases in judges.items():
-            own = sum(each == name and case in cases for each, case in ladders(settings))
-            kept = sum(each == name and case in cases for each, case in need)
-            numbers += [f"in {kept} of {own} cases judged by {judge}"] if own else []
-        if numbers:
-            counts.append(f"{method.name}: keeps {power(COARSE)} {', and '.join(numbers)}.")
-    return counts
 
 
 def _checked(settings: Sequence[Setting], study: Study) -> str:
