@@ -18,7 +18,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from model.events.outcomes import Outcome, Reason
-from model.physics.parameters import OF_PAPER, Batch, Parameters
+from model.physics.parameters import Batch, Parameters
 from model.runs.align import align, run_once
 from model.runs.settings import Settings
 from model.runs.simulate import Trajectory, simulate_once
@@ -49,28 +49,22 @@ _COVERED, _NEARLY_COVERED, _TOO_LARGE = 0.95, 0.999, 30.0
 FARTHEST = 0.05
 
 
-def run_trial(trial: Trial, chunk: int, chunks: int, cores: int = 1) -> Table:
+def run_trial(trial: Trial, chunk: int, chunks: int) -> Table:
     """Run one chunk of a trial; return a table with one row a set."""
     numbers = points_of_chunk(trial.sets, chunk, chunks)
-    batch = trial.batch(numbers)
-    judge = _errors if trial.name == "error" else _settled
-    parameters = {name: batch.values[name] for name in OF_PAPER}
-    return {
-        "set": numbers,
-        **judge(batch, trial.settings.settings, trial.longer, cores),
-        **parameters,
-    }
+    run = _errors if trial.name == "error" else _settled
+    return {"set": numbers, **run(trial.batch(numbers), trial.settings.settings, trial.longer)}
 
 
-def _errors(batch: Batch, settings: Settings, _longer: float, cores: int) -> Table:
+def _errors(batch: Batch, settings: Settings, _longer: float) -> Table:
     """Return default runs, runs at ``TIGHT``, and independent solutions.
 
     The latter are of the runs that align or leave the scene and are not sensitive.
     """
-    runs = align(batch, settings, cores=cores)
+    runs = align(batch, settings, cores=1)
     left = runs.outcome == Outcome.LEFT_SCENE
-    ended = np.where(left, run_once(batch, settings, cores=cores)["time"], runs.tau_align)
-    tight = align(batch, settings, cores=cores, tolerance=TIGHT, max_evaluations=_UNBOUNDED)
+    ended = np.where(left, run_once(batch, settings, cores=1)["time"], runs.tau_align)
+    tight = align(batch, settings, cores=1, tolerance=TIGHT, max_evaluations=_UNBOUNDED)
     independent, independent_end = np.full((2, len(batch)), math.nan)
     ending = ["not run"] * len(batch)
     for row in np.flatnonzero(np.isfinite(ended) & ~runs.sensitive):
@@ -88,11 +82,8 @@ def _errors(batch: Batch, settings: Settings, _longer: float, cores: int) -> Tab
         "tau_align": runs.tau_align,
         "tau_error": runs.tau_error,
         "sensitive": runs.sensitive.astype(np.int8),
-        "separations": runs.separations,
         "tight_outcome": tight.outcome,
         "tight_tau": tight.tau_align,
-        "tight_error": tight.tau_error,
-        "tight_sensitive": tight.sensitive.astype(np.int8),
         "independent_tau": independent,
         "independent_end": independent_end,
         "independent_ending": np.array(ending),
@@ -132,7 +123,7 @@ def _moved(run: Trajectory, settings: Settings) -> tuple[int, float]:
     return int(on[-1].outcome), max(float(np.abs(o.state[-1] - run.state[-1]).max()) for o in on)
 
 
-def _settled(batch: Batch, settings: Settings, longer: float, cores: int) -> Table:
+def _settled(batch: Batch, settings: Settings, longer: float) -> Table:
     """Return default runs, and for settled ones the motion up to ``longer`` times the horizon.
 
     A set runs twice, with and without the end by settling, so that both motions are
@@ -140,29 +131,23 @@ def _settled(batch: Batch, settings: Settings, longer: float, cores: int) -> Tab
     and settle after the horizon; the end is then taken where it settles. If it never settles, a run
     is continued instead.
     """
-    runs = align(batch, settings, cores=cores)
+    runs = align(batch, settings, cores=1)
     long = replace(settings, horizon=longer * settings.horizon, max_evaluations=_UNBOUNDED)
     on_and_on = replace(long, may_settle=False)
     size = len(batch)
     later, moved = np.full(size, -1, dtype=np.int8), np.full(size, math.nan)
-    began, repeats = np.full(size, math.nan), np.full(size, -1, dtype=np.int8)
+    repeats = np.full(size, -1, dtype=np.int8)
     for row in np.flatnonzero(runs.outcome == Outcome.SETTLED):
         p = batch[int(row)]
-        excitation = 2.0 * math.pi / p.frequency
         run = simulate_once(p, long)
-        began[row] = run.time[-1]
         if run.outcome == Outcome.SETTLED:
             later[row], moved[row] = _moved(run, on_and_on)
         else:
-            began[row] = run_once(Batch.stack([p]), settings)["time"][0]
-            cycle = runs.period[row] * excitation
-            later[row], repeats[row] = _repeats(p, on_and_on, began[row], cycle)
+            began = run_once(Batch.stack([p]), settings)["time"][0]
+            cycle = runs.period[row] * 2.0 * math.pi / p.frequency
+            later[row], repeats[row] = _repeats(p, on_and_on, began, cycle)
     return {
         "outcome": runs.outcome,
-        "reason": runs.reason,
-        "sensitive": runs.sensitive.astype(np.int8),
-        "period": runs.period,
-        "settled_at": began,
         "later_outcome": later,
         "later_moved": moved,
         "repeats": repeats,
@@ -314,24 +299,12 @@ def write_table(table: Mapping[str, NDArray[Any]], path: Path) -> None:
 def read_tables(paths: Sequence[Path]) -> Table:
     """Return the table of all chunks in ``paths``, sorted by the number of the set.
 
+    The start of the study has compared each file with what its job left.
+
     Raises:
-        ValueError: a chunk cannot be read, columns differ, or a set is missing or occurs twice.
+        ValueError: a set is missing or occurs twice.
     """
-    chunks: list[pd.DataFrame] = []
-    for path in paths:
-        try:
-            # Only a row that is cut off has empty fields: an unknown number is written "nan".
-            chunk = pd.read_csv(path, na_values=["nan"], keep_default_na=False)
-            if (chunk == "").to_numpy().any():
-                raise ValueError("a row is cut off")  # noqa: TRY301
-            chunk = chunk.astype({"set": np.int64})
-        except (OSError, ValueError, KeyError) as error:
-            fault = f"{path}: is not a chunk of a trial ({error}): delete it and run again"
-            raise ValueError(fault) from None
-        if chunks and not chunks[0].columns.equals(chunk.columns):
-            raise ValueError(f"{path}: its columns differ from the other chunks': build it again")
-        chunks.append(chunk)
-    table = pd.concat(chunks).sort_values("set")
+    table = pd.concat([pd.read_csv(path) for path in paths]).sort_values("set")
     if not np.array_equal(table["set"], np.arange(len(table))):
         raise ValueError("the chunks do not hold each set once: delete them and run again")
     return {str(name): values.to_numpy() for name, values in table.items()}

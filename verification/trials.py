@@ -3,7 +3,7 @@
 ``accuracy`` runs and judges the trials.
 """
 
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,27 +40,6 @@ class Trial(Plan):
     seed: int
     sets: int
     longer: float
-
-    @property
-    def metadata(self) -> dict[str, Any]:
-        """Metadata of the sidecar: identity, parameters held and drawn, settings."""
-        drawn = [
-            {
-                "parameter": name,
-                "start": 0.0 if law.zero else law.low,
-                "stop": law.high,
-                "count": self.sets,
-            }
-            for name, law in self.ranges.items()
-        ]
-        return {
-            "config_hash": self.identity,
-            "parameters": {
-                name: value for name, value in self.parameters.items() if name not in self.ranges
-            },
-            "settings": self.settings.model_dump(mode="json"),
-            "dimensions": drawn,
-        }
 
     def batch(self, numbers: NDArray[np.int64]) -> Batch:
         """Return sets by their numbers; a set does not depend on the number of sets drawn."""

@@ -54,16 +54,6 @@ def test_a_set_does_not_depend_on_how_many_there_are(trial):
         assert np.array_equal(trial.batch(np.arange(7)).values[name], values, equal_nan=True)
 
 
-def test_a_sidecar_states_what_is_held_and_what_is_drawn(trial):
-    metadata = trial.metadata
-    drawn = {each["parameter"]: each for each in metadata["dimensions"]}
-    assert set(drawn) == set(trial.ranges)
-    assert not set(drawn) & set(metadata["parameters"])
-    assert set(drawn) | set(metadata["parameters"]) == set(trial.parameters)
-    assert (drawn["friction"]["start"], drawn["friction"]["stop"]) == (0.0, 0.3)
-    assert drawn["press_force"]["start"] == trial.ranges["press_force"].low
-
-
 @pytest.fixture(scope="module")
 def tables(fixed_study, tmp_path_factory):
     """Both trials on a few sets, through files."""
@@ -84,8 +74,6 @@ def test_a_chunk_is_what_align_says_of_its_sets(tables):
     trial, table, _ = tables["error"]
     batch = trial.batch(table["set"])
     assert np.array_equal(table["set"], np.arange(8))
-    for name in ("half_width", "rest_x", "friction"):
-        assert np.array_equal(table[name], batch.values[name], equal_nan=True)
     result = align(batch, trial.settings.settings, cores=1)
     assert np.array_equal(table["outcome"], result.outcome)
     assert np.array_equal(table["tau_align"], result.tau_align, equal_nan=True)
@@ -103,22 +91,18 @@ def test_truths_are_given_for_every_certain_alignment(tables):
 
 
 def test_settled_sets_are_run_on(tables):
-    trial, table, _ = tables["settled"]
+    _, table, _ = tables["settled"]
     settled = table["outcome"] == Outcome.SETTLED
     assert settled.any()
     assert (table["later_outcome"][settled] == Outcome.HORIZON_REACHED).all()
     assert (table["later_moved"][settled] <= FARTHEST).all()
-    assert (table["settled_at"][settled] <= trial.settings.horizon).all()
     assert np.isnan(table["later_moved"][~settled]).all()
     assert not is_wrong(table).any()
 
 
-def test_chunks_that_are_missing_or_different_are_refused(tables):
-    paths = tables["error"][2]
+def test_a_missing_chunk_is_refused(tables):
     with pytest.raises(ValueError, match="do not hold each set once"):
-        read_tables(paths[1:])
-    with pytest.raises(ValueError, match="columns differ"):
-        read_tables([paths[0], tables["settled"][2][1]])
+        read_tables(tables["error"][2][1:])
 
 
 # ----------------------------------------------------------------------------------------- checks

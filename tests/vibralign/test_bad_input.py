@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from model.sweeps.io import DatasetError, read_dataset
-from verification.accuracy import read_tables
 from verification.fuzz import try_sets
 from verification.independent import solve
 from vibralign import Batch, Parameters, Scene, Variants, align, simulate
@@ -79,11 +78,3 @@ def test_a_dataset(tmp_path, make):
         read_dataset(path)
     assert str(path) in str(refusal.value)
     assert "build it again" in str(refusal.value)
-
-
-@pytest.mark.parametrize("content", [b"", b"set,outcome\n0\n", b"set\nx\n", b"set\n5\n", b"\xff"])
-def test_a_chunk_of_a_trial(tmp_path, content):
-    path = tmp_path / "0.csv"
-    path.write_bytes(content)
-    with pytest.raises(ValueError, match="run again"):
-        read_tables([path])

@@ -10,4 +10,8 @@ with recorded(snakemake, part=True) as metadata:
     trial = Trial.model_validate(snakemake.params.trial)
     found = run_trial(trial, int(snakemake.wildcards.chunk), snakemake.params.chunks)
     write_table(found, Path(snakemake.output.table))
-    metadata |= {**trial.metadata, "counts": {"trajectories": int(found["set"].size)}}
+    metadata |= {
+        "config_hash": trial.identity,
+        "settings": trial.settings.model_dump(mode="json"),
+        "counts": {"trajectories": int(found["set"].size)},
+    }
