@@ -14,7 +14,7 @@
 # make nightly    tests that take long: 50 kills, full disks, mutations, the smoke study in two folders
 #                 at one and at two cores (STUDY=full: the whole study), types of the explorer's scripts
 # make slurm-test  the study on a Slurm of its own, from Debian's packages: kills, cancels, limits
-# make browser-test  the explorer in a headless Chromium and Firefox
+# make browser-test  the explorer in a headless Chromium
 # make docs       the documentation as a site in site/, to be read without network: site/index.html
 # make lock       requirements*.lock anew; LOCK_FLAGS=--upgrade takes newer versions
 # make clean      deletes everything generated, results included; `make distclean` the environments too

@@ -1,22 +1,15 @@
-"""An error of 1 % in any one force is caught: by a unit test, and by the figures where it acts.
+"""A unit test catches an error of 1 % in any one force, or at the tips of a round part.
 
-So is an error at the tips of a round part, which no figure of the paper has: by a unit test.
-
-The unit tests run on each mutation without being compiled; the figures are computed from a copy
-of the package whose kernels hold all of the errors, compiled once.
+The unit tests run on each mutation without being compiled.
 """
 
 import json
 import os
-import shutil
 import subprocess
 import sys
-from pathlib import Path
-from typing import Any
 
 import pytest
 
-from study.config import load_study, study_path
 from tests.model.mutations import PROJECT, replaced
 
 UNIT_TESTS = [f"tests/model/physics/test_{name}.py" for name in ("motion", "contacts", "tips")]
@@ -40,13 +33,6 @@ MUTATIONS = {
     "friction of the side": ("motion.py", "side_friction = -", "p.friction *"),
     "sticking friction": ("motion.py", "side_bottom = -", "drive, -side_drive, g11, g22"),
 }
-# Errors that act in every figure (friction too: Fig. 7 varies it from zero on).
-EVERYWHERE = {
-    "lateral damping", "lateral stiffness", "axial damping", "axial stiffness", "tilt damping",
-    "tilt stiffness", "press force", "excitation", "contact stiffness", "contact damping",
-    "force of the edge", "friction",
-}  # fmt: skip
-FIGURES = list(load_study(study_path()).computed)
 
 # Errors in the tips of round parts, in the same form; files below src/model.
 GEOMETRY, CONTACTS = "physics/geometry.py", "physics/contacts.py"
@@ -171,139 +157,3 @@ def test_a_unit_test_catches_it(tried: dict[str, tuple[int, str]], mutation: str
 def test_without_a_mutation_no_unit_test_fails(tried: dict[str, tuple[int, str]]) -> None:
     code, told = tried["none"]
     assert code == pytest.ExitCode.OK, told
-
-
-# All errors in one copy of the sources, each switched on by a constant of the kernels: one copy is
-# compiled instead of sixteen. The switch is a factor, so that traced kernels have it too.
-ERRORS = {name: number for number, name in enumerate(MUTATIONS, start=1)}
-SWITCHED = "(1.0 + 0.01 * p.error_{})"
-# The kernel of sticking friction does not take p: the force is multiplied where it acts.
-STICKING = "        x += stick * t[0]"
-IS_ON = "{f'error_{n}': float(environ['ERROR'] == str(n)) for n in range(1, 17)}"
-CARRIED = [
-    ("physics/parameters.py", "import math\n", "import math\nfrom os import environ\n"),
-    (
-        "physics/parameters.py",
-        "        rows = np.empty(",
-        f"        columns |= {IS_ON}\n        rows = np.empty(",
-    ),
-    (
-        "physics/parameters.py",
-        'if name != "preload"),\n',
-        'if name != "preload"),\n    *(f"error_{n}" for n in range(1, 17)),\n',
-    ),
-]
-
-
-def switchable(folder: Path) -> Path:
-    """Copy of the sources with all errors in it; the variable ``ERROR`` switches one on."""
-    source = Path(shutil.copytree(PROJECT / "src", folder / "src"))
-    edits = list(CARRIED)
-    for name, number in ERRORS.items():
-        file, before, force = MUTATIONS[name]
-        old, new = before + force, f"{before}{SWITCHED.format(number)} * {force}"
-        if name == "sticking friction":
-            file, old = "motion.py", STICKING
-            new = f"        stick *= {SWITCHED.format(number)}\n{old}"
-        edits.append((f"physics/{file}", old, new))
-    for file, old, new in edits:
-        path = source / "model" / file
-        path.write_text(replaced(path, old, new), encoding="utf-8")
-    return source
-
-
-# Computes every figure without an error, then with each. Prints, by error and figure, which
-# variables differ by more than the reference allows, and whether anything differs at all.
-COMPARE = """
-import json, os, sys
-from pathlib import Path
-
-study_path, against, errors, figures = (json.loads(each) for each in sys.argv[1:])
-os.environ["ERROR"] = "0"
-from study.config import load_study
-from model.sweeps.io import read_dataset, write_dataset
-from study.plans import sweep_of
-from model.sweeps.sweep import merge, run
-from study.tracking.reference import compare_with_reference
-
-study, found, right = load_study(Path(study_path)), {}, {}
-for error, number in errors.items():
-    os.environ["ERROR"] = str(number)
-    found[error] = {}
-    for name in figures:
-        sweep = sweep_of(study, name)
-        dataset = merge(sweep, "t", [run(sweep)])
-        reference = Path(against) / f"{name}.nc"
-        if not reference.exists():
-            write_dataset(dataset, reference)
-        write_dataset(dataset, Path("built.nc"))
-        findings = compare_with_reference(read_dataset(reference), read_dataset(Path("built.nc")))
-        acts = not dataset.equals(right.setdefault(name, dataset))
-        found[error][name] = {"red": [each.variable for each in findings], "acts": acts}
-print(json.dumps(found))
-"""
-
-
-def small_study(folder: Path) -> Path:
-    """The study on grids of 8 values a curve and 6 × 6 a map, in one file."""
-    import yaml  # noqa: PLC0415
-
-    from study.config import read_study  # noqa: PLC0415
-
-    study = read_study(PROJECT / "config/config.yaml")
-    for figure in study["figures"].values():
-        for axis, count in {"swept": 8, "x": 6, "y": 6}.items():
-            if axis in figure:
-                figure[axis]["count"] = count
-    path = folder / "study.yaml"
-    path.write_text(yaml.safe_dump(study), encoding="utf-8")
-    return path
-
-
-def compare(
-    source: Path, study: Path, errors: dict[str, int], **cache: str
-) -> dict[str, dict[str, dict[str, Any]]]:
-    asked = (str(study), str(study.parent), errors, FIGURES)
-    run = subprocess.run(
-        [sys.executable, "-c", COMPARE, *(json.dumps(each) for each in asked)],
-        cwd=study.parent,
-        env={**os.environ, "PYTHONPATH": str(source), **cache},
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    return json.loads(run.stdout)
-
-
-@pytest.fixture(scope="module")
-def figures(tmp_path_factory: pytest.TempPathFactory) -> dict[str, dict[str, set[str]]]:
-    """By error, the figures where it ``acts``, to the bit, and those that are ``red`` with it."""
-    folder = tmp_path_factory.mktemp("figures")
-    study = small_study(folder)
-    compare(PROJECT / "src", study, {"none": 0})  # leaves the reference beside the study
-    kernels = {"VIBRALIGN_CACHE": str(folder / "kernels")}
-    found = compare(switchable(folder), study, {"none": 0, **ERRORS}, **kernels)
-    return {
-        error: {
-            what: {name for name, each in by_figure.items() if each[what]}
-            for what in ("red", "acts")
-        }
-        for error, by_figure in found.items()
-    }
-
-
-@pytest.mark.nightly
-def test_errors_that_are_switched_off_change_nothing(figures: dict[str, Any]) -> None:
-    assert figures["none"]["red"] == set()
-
-
-@pytest.mark.nightly
-@pytest.mark.parametrize("mutation", MUTATIONS)
-def test_the_figures_where_it_acts_catch_it(figures: dict[str, Any], mutation: str) -> None:
-    red, acts = figures[mutation]["red"], figures[mutation]["acts"]
-    assert acts, "it acts somewhere"
-    if mutation in EVERYWHERE:
-        assert acts == set(FIGURES)
-    assert red == acts
-    listed = ", ".join(sorted(red))
-    print(f"{mutation}: red in {len(red)} of {len(FIGURES)} figures: {listed}")  # noqa: T201  (`pytest -rP` shows it)
