@@ -4,7 +4,7 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from model.physics.parameters import FIELDS
@@ -155,45 +155,6 @@ def test_a_property_that_is_broken_is_found(device, field, value, what):
     assert not any(broken.any() for broken in broken_properties(good, PATIENT).values())
     bad = replace(good, **{field: np.full_like(getattr(good, field), value)})
     assert broken_properties(bad, PATIENT)[what].all()
-
-
-# ------------------------------------------------------------------------------------- invariances
-
-
-def scaled(p: Parameters, factor: float) -> Parameters:
-    """Lengths and forces times ``factor``: moments, and what is per radian, times its square.
-
-    The excitation's amplitude is the unit of both, so that this is the same device only without.
-    """
-    lengths = ("half_width", "half_height", "misalignment", "press_force", "rest_x", "rest_y")
-    squares = ("inertia", "tilt_stiffness", "tilt_damping")
-    values = p.given()
-    changes = {name: factor * values[name] for name in lengths if values[name] is not None}
-    return p.replace(**changes, **{name: factor**2 * values[name] for name in squares})
-
-
-MODEST = {
-    "press_force": st.floats(0.3, 20.0), "tilt_stiffness": st.floats(0.0, 200.0),
-    "friction": st.floats(0.0, 2.0), "contact_damping": st.floats(0.0, 20.0),
-    "misalignment": st.floats(0.1, 1.5), "initial_tilt": st.floats(-0.05, 0.2),
-    "contact_stiffness": st.floats(20.0, 2000.0), "half_height": st.floats(0.5, 6.0),
-    "inertia": st.floats(0.1, 50.0), "rest_tilt": st.floats(-0.1, 0.1),
-}  # fmt: skip
-
-
-@settings(max_examples=60, deadline=None, derandomize=True,
-          suppress_health_check=[HealthCheck.function_scoped_fixture])  # fmt: skip
-@given(changes=st.fixed_dictionaries(MODEST), factor=st.sampled_from([0.25, 3.0, 40.0]))
-def test_scaling_all_lengths_changes_no_time(device, changes, factor):
-    p = device.replace(**changes, frequency=0.0, phase=0.0)
-    runs = align([p, scaled(p, factor)], horizon=20.0, tolerance=1e-11)
-    if runs.sensitive.any():
-        return
-    assert runs.outcome[0] == runs.outcome[1]
-    if runs.outcome[0] == Outcome.ALIGNED:
-        # Tolerances are relative to 1 + |state|, so that errors scale otherwise.
-        allowed = 10.0 * (runs.tau_error.sum() + 1e-9)
-        assert abs(runs.tau_align[0] - runs.tau_align[1]) <= allowed
 
 
 ANY = {

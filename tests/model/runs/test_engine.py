@@ -1,12 +1,14 @@
 """The engine on clouds of devices: estimates hold, and rows do not depend on each other."""
 
+from dataclasses import fields
+
 import numpy as np
 import pytest
 
 from model.engine.scheduling import MOST_RUNS
 from model.runs.engine import engine_for
 from model.runs.errors import outcomes_differ
-from vibralign import Batch, Outcome, Settings, Variants, align
+from vibralign import Alignments, Batch, Outcome, Settings, Variants, align
 
 SETTINGS = Settings(horizon=60.0)
 COUNT = 150
@@ -109,6 +111,15 @@ def test_a_run_does_not_depend_on_its_neighbours(batch):
     assert np.array_equal(run(rows[order], tolerances), whole[order], equal_nan=True)
     for count in (1, MOST_RUNS - 1, MOST_RUNS, MOST_RUNS + 1):
         assert np.array_equal(run(rows[:count], tolerances[:count]), whole[:count], equal_nan=True)
+
+
+def test_every_array_has_a_row_for_each_set_and_its_own_kind(batch):
+    result = align(batch, SETTINGS)
+    assert {getattr(result, field.name).shape for field in fields(Alignments)} == {(COUNT,)}
+    assert result.outcome.dtype == result.reason.dtype == np.int8
+    assert result.sensitive.dtype == np.bool_
+    assert result.rhs_evaluations.dtype == result.separations.dtype == np.int64
+    assert result.tau_align.dtype == np.float64
 
 
 def test_a_set_less_accurate_than_promised_is_run_again(device):

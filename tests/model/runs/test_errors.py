@@ -9,48 +9,18 @@ from model.runs.errors import TILTED, estimate
 from verification.trials import trial_of
 from vibralign import Batch, Outcome, Reason, align, simulate
 
-SEEDS = [0, 1]
 COUNT = 200
 
 
-def cloud(device, seed):
+def cloud(device):
     """Every parameter that is not zero, log-uniform within a factor of √e around the device."""
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(0)
     swept = {
         name: value * np.exp(rng.uniform(-0.5, 0.5, COUNT))
         for name, value in device.given().items()
         if value
     }
     return Batch.of(device, **swept)
-
-
-@pytest.fixture(scope="module", params=SEEDS)
-def pair(request, device):
-    """Results at a tolerance of 1e-10, and at 1e-13 the truth."""
-    batch = cloud(device, request.param)
-    return align(batch, horizon=60.0), align(batch, horizon=60.0, tolerance=1e-13)
-
-
-def test_whether_a_part_aligns_is_certain_unless_flagged(pair):
-    result, truth = pair
-    differs = (result.outcome == Outcome.ALIGNED) != (truth.outcome == Outcome.ALIGNED)
-    assert not (differs & ~result.sensitive).any()
-
-
-def test_sensitive_points_are_few_and_have_large_errors_or_two_outcomes(pair):
-    result, _ = pair
-    assert result.sensitive.mean() < 0.05
-    flagged = result.sensitive & np.isfinite(result.tau_error)
-    assert (result.tau_error[flagged] > 1e-4).all()
-    assert (result.tau_error[~result.sensitive & np.isfinite(result.tau_error)] <= 1.1e-4).all()
-
-
-def test_an_error_is_given_for_every_certain_alignment_and_no_other(pair):
-    result, _ = pair
-    aligned = result.outcome == Outcome.ALIGNED
-    assert np.isfinite(result.tau_error[aligned & ~result.sensitive]).all()
-    assert np.isnan(result.tau_error[~aligned]).all()
-    assert (result.tau_error[np.isfinite(result.tau_error)] > 0.0).all()
 
 
 def columns(named, **values):
@@ -245,7 +215,7 @@ def test_a_nearly_flat_part_that_a_tilt_decides_is_flagged(differs_by):
 
 
 def test_the_end_after_alignment_does_not_change_the_estimate(device):
-    batch = cloud(device, 0)
+    batch = cloud(device)
     whole, alone = (align(batch, horizon=60.0, alignment_only=only) for only in (False, True))
     for name in ("tau_align", "tau_error", "outcome", "sensitive"):
         assert np.array_equal(getattr(whole, name), getattr(alone, name), equal_nan=True), name

@@ -15,17 +15,6 @@ def test_without_vibration_the_part_stays_at_rest(device):
     assert run.sticking_share == 1.0
 
 
-def test_a_damped_run_of_a_sudden_press_settles_at_the_same_rest(device):
-    # The edge sticks in both, so that its place, and with it the equilibrium, is the same.
-    p = device.replace(
-        press_force=0.8, frequency=0.0, friction=0.8, initial_tilt=0.0,
-        tilt_damping=15.0, axial_damping=5.0,
-    )  # fmt: skip
-    sudden, pressed = simulate(p, may_settle=False), simulate(p, start="pressed")
-    assert sudden.sticking_share == 1.0
-    np.testing.assert_allclose(sudden.state[-1, :3], pressed.state[0, :3], atol=1e-6)
-
-
 def test_the_vibration_sets_in_at_its_phase(device):
     p = device.replace(press_force=0.8)
     runs = [simulate(p.replace(phase=phase), start="pressed", horizon=1.0) for phase in (0.0, 2.0)]

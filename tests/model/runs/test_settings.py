@@ -4,15 +4,7 @@ import math
 
 import pytest
 
-from vibralign import ALIGNMENT, INSERTION, SUSPENDED, Settings, Variants, simulate
-
-
-def test_defaults_are_the_consistent_readings_in_the_alignment_scene():
-    settings = Settings()
-    assert settings.readings == Variants.consistent()
-    assert settings.scene is ALIGNMENT
-    assert settings.tolerance == 1e-10
-    assert settings.control.settling_noise == pytest.approx(1e-8)
+from vibralign import INSERTION, SUSPENDED, Settings, Variants, simulate
 
 
 @pytest.mark.parametrize(

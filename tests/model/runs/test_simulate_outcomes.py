@@ -169,15 +169,6 @@ def test_an_absurd_force_fails_and_does_not_return_nan_states(device, changes):
 # ----------------------------------------------------------------------------------------- readings
 
 
-def test_printed_criterion_is_the_four_corner_conditions(device):
-    run = simulate(device, readings=Variants(alignment_criterion="printed"))
-    other = simulate(device)
-    assert run.outcome is Outcome.ALIGNED
-    assert run.tau_align == run.tau_corners_inside
-    # The same motion, another word for its end.
-    assert run.tau_align == pytest.approx(other.tau_corners_inside, abs=1e-9)
-
-
 def test_a_run_may_end_at_alignment(device):
     whole = align([device])
     part = align([device], alignment_only=True)
