@@ -25,5 +25,4 @@ rounds in which all methods take turns. Results: the table on the terminal, and
 
 - ``trajectories``: the problems
 - ``table``: settings, times and ratios
-- ``store``: keeps the independent solutions of the study's cases
 """
