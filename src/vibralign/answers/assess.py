@@ -155,18 +155,28 @@ class Assessment(Value):
 
 @dataclass(frozen=True)
 class _Asked:
-    """Questions on devices with other values, in the same cases; the failing ones stand first."""
+    """Questions on devices with other values, in the same cases; the failing ones stand first.
+
+    ``failures`` counts by case the devices that failed, shape (cases,): these cases come first.
+    """
 
     device: Parameters | StatedDevice
     cases: Starts
     settings: Settings
     cores: int
+    failures: NDArray[np.int64]
     limits: Mapping[str, float] = field(default_factory=dict)
     also: "_Asked | None" = None  # further cases in which the devices have to be reliable
 
+    @classmethod
+    def of(
+        cls, device: Parameters | StatedDevice, cases: Starts, settings: Settings, cores: int
+    ) -> "_Asked":
+        return cls(device, cases, settings, cores, np.zeros(len(cases), np.int64))
+
     def reliable(self, values: Values) -> NDArray[np.bool_]:
         found = are_reliable(
-            self.device, values, self.cases, self.settings, self.cores, self.limits
+            self.device, values, self.cases, self.settings, self.cores, self.limits, self.failures
         )
         if self.also is not None and found.any():
             found[found] = self.also.reliable({n: column[found] for n, column in values.items()})
@@ -241,20 +251,22 @@ def assess(
             cause=cause.words,
         )
     slowest_first = np.lexsort((-np.nan_to_num(tau + results["tau_inserted"]), goes_in))
-    hardest = [cases[i] for i in slowest_first if approach_of(cases[i]) in (None, result.worst)]
+    of_worst = [approach_of(case) in (None, result.worst) for case in cases]
+    hardest = [cases[i] for i in slowest_first if of_worst[i]]
     if not vary:
         return result
-    asked = _Asked(lowered, [without_approach(case) for case in hardest], own, cores)
+    asked = _Asked.of(lowered, [without_approach(case) for case in hardest], own, cores)
     if result.tilts and result.tilts[0].reliable:
-        at_tilts = replace(asked, cases=cases_of(lowered, ensemble, varied=ADDED))
+        at_tilts = _Asked.of(lowered, cases_of(lowered, ensemble, varied=ADDED), own, cores)
         of_tilt = leeways(lowered, at_tilts.reliable, at_tilts.late, (*UNITS, *VARIED))
         result = replace(result, tilt_range=next(iter(of_tilt), None))
     held = _held(lowered, cases)
     if cause is None:
         quicker = asked.roughly if own.tolerance < STATISTICAL_TOLERANCE else None
         return replace(result, leeways=leeways(lowered, asked.reliable, asked.late, held, quicker))
-    if result.worst is not None:  # in the cases of the other approaches, too
-        asked = replace(asked, also=replace(asked, device=device, cases=cases))
+    if not all(of_worst):
+        others = [cases[i] for i in slowest_first if not of_worst[i]]
+        asked = replace(asked, also=_Asked.of(device, others, own, cores))
     limits, beyond = _limits_of(lowered), tuple[str, ...]()
     near, change = _advice(cause, asked.within(limits), held)
     if limits and not change:
@@ -272,7 +284,11 @@ def _advice(
     cause: Cause, asked: _Asked, held: tuple[str, ...]
 ) -> tuple[tuple[Nearest, ...], Mapping[str, float]]:
     """Return the nearest reliable values, and the first change that makes a device reliable."""
-    near = nearest(asked.device, asked.reliable, held)
+    if asked.also is None:
+        near = nearest(asked.device, asked.reliable, held)
+    else:  # the cases of the other approaches only where those of the worst succeed
+        own = replace(asked, also=None)
+        near = nearest(asked.device, asked.also.reliable, held, own.reliable)
     change = a_step_inside(asked.device, asked.reliable, first_change(cause, near))
     return near, change or together(asked.device, asked.reliable, _PAIRED)
 

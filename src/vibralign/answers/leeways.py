@@ -10,14 +10,15 @@ slivers of 0.01 %. So ``UNBROKEN`` values ``FINEST`` apart are tried inwards fro
 outwards, and from a ragged end ``ACROSS`` more to the device's own value. The end moves inwards
 past any that fails, until all of these hold.
 
-The same scan finds the nearest reliable values of a device that is not reliable. The values of a
-device that its file states are in SI units. Its mass, axial stiffness and amplitude, which are the
-units of its dimensionless parameters, are scanned as well.
+The same scan finds the nearest reliable values of a device that is not reliable, to a quarter of a
+step: each value that holds costs all cases of all approaches. The values of a device that its file
+states are in SI units. Its mass, axial stiffness and amplitude, which are the units of its
+dimensionless parameters, are scanned as well.
 """
 
 import itertools
 import math
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -146,7 +147,10 @@ def leeways(
     ``is_late`` tells where devices fail by the horizon only; ``held`` are not varied. The steps are
     tried by ``roughly``, if given; ends, and parts of steps, by ``is_reliable``.
     """
-    ends, late = _unbroken(device, is_reliable, _ends(device, is_reliable, held, roughly)), []
+    ends, late = (
+        _unbroken(device, is_reliable, _ends(device, is_reliable, held, roughly=roughly)),
+        [],
+    )
     beyond = [(each.parameter, each.other) for each in ends if each.other is not None]
     if is_late is not None and beyond:
         late = is_late(_swept(_own(device, held), beyond)).tolist()
@@ -159,12 +163,18 @@ def leeways(
     )  # fmt: skip
 
 
-def nearest(device: Stated, is_reliable: IsReliable, held: Names = ()) -> tuple[Nearest, ...]:
+def nearest(
+    device: Stated,
+    is_reliable: IsReliable,
+    held: Names = (),
+    may_be: IsReliable | None = None,
+) -> tuple[Nearest, ...]:
     """Return the nearest reliable values of a device that is not reliable, by parameter.
 
-    A parameter of which no value tried is reliable is left out; ``held`` are not varied.
+    A parameter of which no value tried is reliable is left out; ``held`` are not varied. Values
+    that ``may_be`` excludes, at less cost, are not tried.
     """
-    ends = _ends(device, lambda values: ~is_reliable(values), held)
+    ends = _ends(device, lambda values: ~is_reliable(values), held, PARTS[:1], may_differ=may_be)
     return tuple(
         Nearest(down.parameter, down.value, down.other, up.other)
         for down, up in zip(ends[::2], ends[1::2], strict=True)
@@ -220,7 +230,13 @@ def a_step_inside(
 
 
 def _ends(
-    device: Stated, are_alike: IsReliable, held: Names, roughly: IsReliable | None = None
+    device: Stated,
+    are_alike: IsReliable,
+    held: Names,
+    parts_of_step: Sequence[int] = PARTS,
+    *,
+    roughly: IsReliable | None = None,
+    may_differ: IsReliable | None = None,
 ) -> list[_End]:
     """Return the end of the scan of each value that is not 0, downwards and upwards in turn."""
     own = _own(device, held)
@@ -230,7 +246,7 @@ def _ends(
         for name, step in zip(names, itertools.cycle((-1.0, 1.0)), strict=False)
     ]
     judged: dict[tuple[str, float], bool] = {}  # by ``are_alike``
-    known = _leading(own, names, scans, roughly or are_alike, {} if roughly else judged)
+    known = _leading(own, names, scans, roughly or are_alike, {} if roughly else judged, may_differ)
     ended = [i for i, (values, n) in enumerate(zip(scans, known, strict=True)) if n < len(values)]
     if roughly is not None and ended:
         some = {name: own[name] for name in names}
@@ -241,13 +257,13 @@ def _ends(
         )
         for i, n in zip(wrong, again, strict=True):
             known[i] = n
-    for count in PARTS:
+    for count in parts_of_step:
         open_ones = [i for i, (values, n) in enumerate(zip(scans, known, strict=True))
                      if n < len(values)]  # fmt: skip
         parts = [
             _divided(names[i], scans[i][known[i] - 1], scans[i][known[i]], count) for i in open_ones
         ]
-        finer = _leading(own, [names[i] for i in open_ones], parts, are_alike, judged)
+        finer = _leading(own, [names[i] for i in open_ones], parts, are_alike, judged, may_differ)
         for i, between, n in zip(open_ones, parts, finer, strict=True):
             scans[i], known[i] = [*between, scans[i][known[i]]], n
     return [
@@ -316,25 +332,52 @@ def _leading(
     scans: Sequence[list[float]],
     are_alike: IsReliable,
     judged: dict[tuple[str, float], bool],
+    may_differ: IsReliable | None = None,
 ) -> list[int]:
     """Return how many leading values of each scan, its own first, have the device's verdict.
 
     Verdicts are added to ``judged``; values that have one are not tried again. A scan ends with the
-    few values among which the verdict changes.
+    few values among which the verdict changes. With ``may_differ``, values that cannot differ are
+    alike, and of the others each scan tries one at a time, until its verdict changes.
     """
     some, known = {name: own[name] for name in names}, [1] * len(scans)
+
+    def judge(tried: Sequence[tuple[str, float]], verdict: IsReliable) -> Iterable[bool]:
+        return verdict(_swept(some, tried)).tolist() if tried else []
+
     for begin in range(1, max(map(len, scans), default=0), AT_ONCE):
         parts = {
             i: [(names[i], value) for value in scans[i][begin : begin + AT_ONCE]]
             for i, n in enumerate(known)
             if n == begin < len(scans[i])
         }
-        values = dict.fromkeys(itertools.chain.from_iterable(parts.values()))
-        if tried := [each for each in values if each not in judged]:
-            judged |= zip(tried, are_alike(_swept(some, tried)).tolist(), strict=True)
+        tried = [each for each in _of_all(parts.values()) if each not in judged]
+        if may_differ is None:
+            judged |= zip(tried, judge(tried, are_alike), strict=True)
+        else:
+            judged |= {
+                each: True
+                for each, may in zip(tried, judge(tried, may_differ), strict=True)
+                if not may
+            }
+        while tried := _of_all(_next_to_try(part, judged) for part in parts.values()):
+            judged |= zip(tried, judge(tried, are_alike), strict=True)
         for i, part in parts.items():
-            known[i] += [*(judged[each] for each in part), False].index(False)
+            known[i] += [*(judged.get(each, False) for each in part), False].index(False)
     return known
+
+
+def _of_all(parts: Iterable[Sequence[tuple[str, float]]]) -> list[tuple[str, float]]:
+    """Return the distinct values of all parts, in their order."""
+    return list(dict.fromkeys(itertools.chain.from_iterable(parts)))
+
+
+def _next_to_try(
+    part: Sequence[tuple[str, float]], judged: Mapping[tuple[str, float], bool]
+) -> Sequence[tuple[str, float]]:
+    """Return the first value of a part without a verdict, if all before it are alike."""
+    alike = list(itertools.takewhile(lambda each: judged.get(each, False), part))
+    return [each for each in part[len(alike) : len(alike) + 1] if each not in judged]
 
 
 def _swept(own: Mapping[str, float], tried: Sequence[tuple[str, float]]) -> dict[str, np.ndarray]:

@@ -38,6 +38,7 @@ Floats = NDArray[np.float64]
 STATISTICAL_TOLERANCE = 1e-6  # local error of a step; yields are the same as at 1e-10
 FORCES = {place: f"{place}_force_max" for place in PLACES_OF_CONTACT}
 """Results of a run that are the largest force at a place of contact, by the place."""
+_FIRST = 4  # cases that are tried before all others
 _SPREAD = (5.0**0.5 - 1.0) / 2.0  # of the cases, from one to the next: far from all before
 
 
@@ -241,24 +242,31 @@ def are_reliable(
     settings: Settings,
     cores: int = 1,
     limits: Mapping[str, float] = MappingProxyType({}),
+    failures: NDArray[np.int64] | None = None,
 ) -> NDArray[np.bool_]:
     """Return a mask of the devices that go in in all cases, within ``limits``, shape (n,).
 
-    A case is tried only where those before it succeed: first one, then each time twice as many.
-    ``limits`` are those of a device file, in SI units.
+    A case is tried only where those before it succeed: first a few, then each time twice as many.
+    ``limits`` are those of a device file, in SI units. ``failures`` counts by case the devices that
+    failed before, and those that fail now are added; cases in which most failed are tried first.
     """
     reliable = np.ones(len(next(iter(values.values()))), np.bool_)
     if isinstance(device, StatedDevice):
         own = {**device.quantities, **values}
         for name, each in of_vibrator(own["amplitude"], own["frequency"]).items():
             reliable &= each <= limits.get(name, math.inf)
-    begin, cases = 0, in_turn(starts)
+    failures = np.zeros(len(starts), np.int64) if failures is None else failures
+    order = in_turn(len(starts))
+    order = order[np.argsort(-failures[order], kind="stable")]
+    begin = 0
     settings = settings if limits else settings.quickest  # the quickest runs do not know all forces
-    while begin < len(cases) and (left := np.flatnonzero(reliable)).size:
-        some = cases[begin : 2 * begin + 1]
+    while begin < len(order) and (left := np.flatnonzero(reliable)).size:
+        some = order[begin : 2 * begin + _FIRST]
         tried = {name: column[left] for name, column in values.items()}
-        found, units = from_every_start(device, tried, some, settings, cores)
-        reliable[left] = found["goes_in"].all(axis=1) & _kept(found, units, limits)
+        found, units = from_every_start(device, tried, [starts[i] for i in some], settings, cores)
+        holds = found["goes_in"] & _kept(found, units, limits)
+        failures[some] += (~holds).sum(axis=0)
+        reliable[left] = holds.all(axis=1)
         begin += len(some)
     return reliable
 
@@ -266,26 +274,25 @@ def are_reliable(
 def _kept(
     found: Mapping[str, NDArray[Any]], units: Sequence[Units], limits: Mapping[str, float]
 ) -> NDArray[np.bool_]:
-    """Return where devices keep the limits of time, force and tilt in all cases, shape (n,)."""
-    kept = np.ones(len(found["goes_in"]), np.bool_)
+    """Return where devices keep the limits of time, force and tilt, shape (n, cases)."""
+    kept = np.ones(found["goes_in"].shape, np.bool_)
     of = {"time": "tau_align", "contact_force": "contact_force_max", "tilt": "tilt_max"}
     for name, limit in limits.items():
         if name in of:
             one = np.array([each.of(LIMITS[name][1]) for each in units])[:, None]
-            kept &= ~(found[of[name]] * one > limit).any(axis=1)
+            kept &= ~(found[of[name]] * one > limit)
     return kept
 
 
-def in_turn(starts: Starts) -> Starts:
-    """Return the cases in the order in which to try them: in turn the next, and one far from it.
+def in_turn(count: int) -> NDArray[np.int64]:
+    """Return the numbers of cases in the order in which to try them: the next, and one far from it.
 
     A failing device fails in cases that are alike, or in those in which other devices fail; these
     come first if they are known.
     """
-    count = len(starts)
     spread = np.argsort(np.argsort(np.arange(count) * _SPREAD % 1.0)).tolist()
     turns = itertools.chain.from_iterable(zip(range(count), spread, strict=True))
-    return [starts[i] for i in dict.fromkeys(turns)]
+    return np.array(list(dict.fromkeys(turns)))
 
 
 def are_late(

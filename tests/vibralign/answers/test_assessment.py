@@ -13,6 +13,7 @@ from model.sweeps.settings import Ensemble
 from model.sweeps.starts import every_start, starts_of
 from vibralign import Settings
 from vibralign.answers import leeways as module
+from vibralign.answers import reliability
 from vibralign.answers.assess import Assessment, assess
 from vibralign.answers.cases import cases_of
 from vibralign.answers.causes import Cause, first_change
@@ -37,6 +38,7 @@ from vibralign.device import load_device
 from vibralign.device.batches import devices_of
 
 PEG = Path(__file__).resolve().parents[2] / "square" / "peg.yaml"
+NEAR = STEP ** (1.0 / PARTS[0]) * 1.001  # ratio within which a nearest value is known
 ENSEMBLE = Ensemble(phases=3, tilts=[1.0, 3.0], every=1)
 COARSE = Settings(horizon=60.0, tolerance=1e-7)
 
@@ -140,10 +142,20 @@ def test_the_nearest_reliable_values_have_a_direction(device):
     device = device.replace(press_force=2.0, tilt_stiffness=10.0)
     [force] = nearest(device, oracle(device, press_force=(2.3, 5.0))[0])
     assert (force.parameter, force.below) == ("press_force", None)
-    assert force.above / (1.0 + FINEST) < 2.3 <= force.above
+    assert force.above / NEAR < 2.3 <= force.above
     [force] = nearest(device, oracle(device, press_force=(1.0, 1.7))[0])
-    assert force.below <= 1.7 < force.below * (1.0 + FINEST)
+    assert force.below <= 1.7 < force.below * NEAR
     assert nearest(device, oracle(device, press_force=(100.0, 200.0))[0]) == ()
+
+
+def test_values_that_may_not_hold_and_those_beyond_one_that_holds_are_not_tried(device):
+    device = device.replace(press_force=2.0, tilt_stiffness=10.0)
+    is_reliable, asked = oracle(device, press_force=(2.3, 5.0))
+    may_be = oracle(device, press_force=(2.25, 6.0))[0]
+    found = nearest(device, is_reliable, (), may_be)
+    tried = [force for swept in asked for force in swept["press_force"].tolist()]
+    assert tried == [2.378, 2.278, 2.311]  # a step that holds, and parts of it up to one that does
+    assert found == nearest(device, is_reliable)
 
 
 @pytest.mark.parametrize(
@@ -238,13 +250,35 @@ def test_the_nearest_amplitude_is_found_and_holds(monkeypatch):
     found = assess(stated, COARSE, ENSEMBLE)
     [near] = [each for each in found.nearest if each.parameter == "amplitude"]
     assert near.above is not None
-    for amplitude, goes_in in ((near.above, True), (near.above / (1.0 + FINEST), False)):
+    for amplitude, goes_in in ((near.above, True), (near.above / NEAR, False)):
         changed = load_device(PEG, changes | {"amplitude": amplitude})
         own, cases = (
             {"friction": np.array([changed.values["friction"]])},
             cases_of(changed, ENSEMBLE),
         )
         assert are_reliable(changed, own, cases, COARSE)[0] == goes_in
+
+
+def test_verdicts_do_not_depend_on_failures_before_and_cases_that_failed_come_first(
+    device, monkeypatch
+):
+    values = {"press_force": np.array([2.0, 8.0, 30.0])}
+    starts = cases_of(device, ENSEMBLE)
+    expected = are_reliable(device, values, starts, COARSE)
+    assert expected.any()
+    assert not expected.all()
+    run, tried = reliability.every_start, []
+
+    def recorded(devices, starts, *rest):
+        tried.append(starts)
+        return run(devices, starts, *rest)
+
+    monkeypatch.setattr(reliability, "every_start", recorded)
+    failures = np.array([0, 5, 0, 4, 7, 6])
+    again = are_reliable(device, values, starts, COARSE, failures=failures)
+    np.testing.assert_array_equal(again, expected)
+    assert tried[0] == [starts[i] for i in (4, 5, 1, 3)]
+    assert failures.sum() > 22
 
 
 OWN_BASE = {"contact_stiffness": "300 kN/m", "gripper_tilt": "0.1 deg"}
@@ -267,7 +301,7 @@ def advised(monkeypatch, holds, changes=MappingProxyType({})):
     """Assess a peg that fails; ``holds(values, limits, whole)`` says which others are reliable."""
     monkeypatch.setattr(
         importlib.import_module("vibralign.answers.assess"), "are_reliable",
-        lambda *given: holds(given[1], given[-1], "vibrates" in given[2][0]),
+        lambda *given: holds(given[1], given[5], "vibrates" in given[2][0]),
     )  # fmt: skip
     stated = load_device(PEG, {**OWN_BASE, "tilt_stiffness": "30 N m/rad", **changes})
     return assess(replace(stated, limits={"acceleration": 12.0 * 9.80665}), COARSE, ENSEMBLE)
