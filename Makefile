@@ -216,7 +216,6 @@ clean:
 		[fcntl.flock(open(lock), fcntl.LOCK_SH | fcntl.LOCK_NB) \
 		for lock in glob.glob("results*/history/lock")]' 2>/dev/null || { \
 		echo "another start builds results here now: wait until it ends, or stop it" >&2; exit 1; }
-	@[ ! -d .snakemake/slurm_logs ] || $(in_env) python -m study.tracking.slurm
 	find results -mindepth 1 ! -name README.md -delete
 	rm -rf results-* .snakemake build dist site docs/examples
 	rm -rf .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache

@@ -268,11 +268,10 @@ class Workspace:
         """As ``snakemake``, by PRELOADED and in a fraction of the time."""
         return self._run(preloaded(), *self.command(*arguments, cores=cores)[1:])
 
-    def start(self, *arguments: str, forked: bool = False) -> subprocess.Popen[bytes]:
-        """Start Snakemake in a process group of its own, or by PRELOADED, which outlives it."""
-        python, *words = self.command(*arguments)
+    def start(self, *arguments: str) -> subprocess.Popen[bytes]:
+        """Start Snakemake in a process group of its own."""
         return subprocess.Popen(
-            [preloaded() if forked else python, *words],
+            self.command(*arguments),
             cwd=self.folder,
             env=self.environment,
             stdout=subprocess.DEVNULL,

@@ -4,12 +4,11 @@ Variables are compared by name, over the points that both datasets have.
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from study.csv_tables import read_rows
 from study.tracking import TrackingError
@@ -20,6 +19,7 @@ if TYPE_CHECKING:  # the command line works without xarray until data are compar
 
 CLAIMS = "claims.csv"
 _TIME = "time"
+_SHORT = 1e-6  # of a trajectory: shorter intervals hold its jumps
 
 
 @dataclass(frozen=True)
@@ -44,8 +44,6 @@ class Change:
     at: dict[str, Any]  # coordinates of the largest difference
     before: float  # the first dataset's value there
     after: float  # the second dataset's value there
-    appeared: int  # points with a number in the second dataset only
-    vanished: int  # points with a number in the first dataset only
 
 
 # --- Two datasets -------------------------------------------------------------------------------
@@ -66,59 +64,47 @@ def changes_of(before: "xr.Dataset", after: "xr.Dataset", figure: str) -> list[C
 def common_points(before: "xr.Dataset", after: "xr.Dataset") -> "tuple[xr.Dataset, xr.Dataset]":
     """Return both datasets at their common points.
 
-    Two trajectories have different times: the second is interpolated at the times of the first.
-    Times near a jump of a force are left out.
+    Two trajectories have different times: both are interpolated in the middle of the intervals of
+    the first. A jump, which has its time twice, lies between two of these.
     """
     import xarray as xr  # noqa: PLC0415
 
     if _TIME not in before.variables:
         return xr.align(before, after, join="inner")
-    (samples,), of_after = before[_TIME].dims, after[_TIME].dims
-    times, other = before[_TIME].values, after[_TIME].values
-    smooth = (times <= other[-1]) & ~_near_jump(times, times) & ~_near_jump(times, other)
-    kept = np.flatnonzero(smooth)
-    moved = {
-        name: (samples, np.interp(times[kept], other, variable.values), variable.attrs)
-        if variable.dims == of_after
-        else variable
-        for name, variable in after.data_vars.items()
-    }
-    at = {_TIME: (samples, times[kept])}
-    return before.isel({samples: kept}), xr.Dataset(moved, at, attrs=after.attrs)
+    times = before[_TIME].values
+    middles = (0.5 * (times[1:] + times[:-1]))[np.diff(times) > _SHORT]
+    at = middles[middles <= after[_TIME].values[-1]]
 
+    def sampled(course: "xr.Dataset") -> "xr.Dataset":
+        own, samples = course[_TIME].values, course[_TIME].dims
+        values = {
+            name: (samples, np.interp(at, own, each.values)) if each.dims == samples else each
+            for name, each in course.data_vars.items()
+        }
+        return xr.Dataset(values, {_TIME: (samples, at)})
 
-def _near_jump(times: NDArray[np.float64], grid: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Return a mask of the ``times`` within a step of a jump, a time that ``grid`` has twice."""
-    near = np.zeros(times.shape, dtype=bool)
-    for i in np.flatnonzero(np.diff(grid) == 0.0).tolist():
-        low, high = grid[max(i - 1, 0)], grid[min(i + 2, grid.size - 1)]
-        near |= (times >= low) & (times <= high)
-    return near
+    return sampled(before), sampled(after)
 
 
 def change_of(before: "xr.DataArray", after: "xr.DataArray", figure: str) -> Change:
     """Return the change of one variable between two datasets over the same points."""
-    old, new = (each.variable.astype(float) for each in (before, after))
-    distance = abs(new - old)
-    place: dict[Any, int] = {}
-    if distance.notnull().any():
-        found = distance.fillna(-1.0).argmax(distance.dims)
-        place = {name: int(i) for name, i in found.items()} if distance.dims else {}
-    named = ((_TIME if _TIME in after.coords else name, i) for name, i in place.items())
-    gone, come = new.isnull() & old.notnull(), old.isnull() & new.notnull()
-    nothing = float("nan")
-    some = bool(distance.notnull().any())
+    old, new = (np.asarray(each.values, dtype=np.float64) for each in (before, after))
+    differ = ~((old == new) | (np.isnan(old) & np.isnan(new)))
+    distance = np.zeros(old.shape)
+    np.subtract(new, old, out=distance, where=differ & np.isfinite(old) & np.isfinite(new))
+    place = np.unravel_index(
+        int(np.argmax(np.where(differ, np.abs(distance), -1.0))), distance.shape
+    )
+    coordinates = [_TIME] if _TIME in after.coords else map(str, after.dims)
     return Change(
         figure=figure,
         variable=str(after.name),
         points=old.size,
-        differing=int((distance > 0.0).sum() + gone.sum() + come.sum()),
-        largest=float(distance[place]) if some else 0.0,
-        at={str(name): after[name].values[i].item() for name, i in named},
-        before=float(old[place]) if some else nothing,
-        after=float(new[place]) if some else nothing,
-        appeared=int(come.sum()),
-        vanished=int(gone.sum()),
+        differing=int(differ.sum()),
+        largest=float(np.abs(distance[place])),
+        at={n: after[n].values[i].item() for n, i in zip(coordinates, place, strict=False)},
+        before=float(old[place]),
+        after=float(new[place]),
     )
 
 
@@ -150,7 +136,7 @@ def _differences(
 # --- Two results folders ------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
+@dataclass
 class Comparison:
     """The differences between two folders, and a line for everything that could not be compared.
 
@@ -160,8 +146,7 @@ class Comparison:
 
     first: str
     second: str
-    parameters: list[Difference] = field(default_factory=list)
-    metrics: list[Difference] = field(default_factory=list)
+    stated: list[Difference] = field(default_factory=list)  # parameters, settings, axes, counts
     code: list[Difference] = field(default_factory=list)
     data: list[Change] = field(default_factory=list)
     claims: list[Difference] | None = None
@@ -171,8 +156,7 @@ class Comparison:
     @property
     def differs(self) -> bool:
         """True if the two folders differ in anything."""
-        stated = (self.parameters, self.metrics, self.code)
-        return any((*stated, self.data, self.other_data, self.claims))
+        return any((self.stated, self.code, self.data, self.claims, self.other_data))
 
 
 def compare(first: Path, second: Path) -> Comparison:
@@ -184,27 +168,26 @@ def compare(first: Path, second: Path) -> Comparison:
     found = Comparison(str(first), str(second))
     runs, other_runs = _runs(first), _runs(second)
     files, other_files = _files(first, runs), _files(second, other_runs)
-    for name in _common(runs, other_runs, found) if runs and other_runs else ():
-        before, after = runs[name], other_runs[name]
-        where = after["figure"] or name
-        found.parameters.extend(_differences(where, _stated(before), _stated(after)))
-        found.metrics.extend(_differences(where, before.get("counts", {}), after.get("counts", {})))
-        found.other_data.extend(
-            f"{name}: {table}"
-            for table, sha256 in after["outputs"].items()
-            if table.endswith(".csv") and table != CLAIMS and not table.startswith("../")  # times
-            and before["outputs"].get(table, sha256) != sha256
-        )  # fmt: skip
     if runs and other_runs:
-        found.code.extend(_differences("code", _code(runs), _code(other_runs)))
+        found.code += _differences("code", _code(runs), _code(other_runs))
+        for name in _common(runs, other_runs, found):
+            before, after = runs[name], other_runs[name]
+            found.stated += _differences(after["figure"] or name, _stated(before), _stated(after))
+            found.other_data += [
+                f"{name}: {table}"
+                for table, sha256 in after["outputs"].items()
+                if table.endswith(".csv") and table != CLAIMS and not table.startswith("../")
+                and before["outputs"].get(table, sha256) != sha256
+            ]  # fmt: skip
     for name in _common(files, other_files, found):
         if name != CLAIMS:
             _compare_data(name, files[name], other_files[name], found)
-    if CLAIMS not in files or CLAIMS not in other_files:
-        return found
-    judged = _are_judged(first, runs, found), _are_judged(second, other_runs, found)
-    claims = changed_verdicts(files[CLAIMS], other_files[CLAIMS]) if all(judged) else None
-    return replace(found, claims=claims)
+    if CLAIMS in files and CLAIMS in other_files:
+        newer = [*_newer(runs), *_newer(other_runs)]
+        found.not_compared += [f"{CLAIMS}: not judged since {each} changed" for each in newer]
+        if not newer:
+            found.claims = changed_verdicts(files[CLAIMS], other_files[CLAIMS])
+    return found
 
 
 def _runs(folder: Path) -> dict[str, Record]:
@@ -238,36 +221,23 @@ def _common(
 
 
 def _stated(run: Record) -> dict[str, Any]:
-    """Return parameters, settings and axes of a run as one flat dictionary."""
-    settings = {f"settings.{name}": value for name, value in run.get("settings", {}).items()}
-    axes = {
-        f"{axis['parameter']}.{name}": value
-        for axis in run.get("dimensions", [])
-        for name, value in axis.items()
-        if name != "parameter"
-    }
-    return {**run.get("parameters", {}), **settings, **axes}
+    """Return parameters, settings, axes and counts of a run as one flat dictionary."""
+    parts = {"settings": run.get("settings", {}), "counts": run.get("counts", {})}
+    parts |= {axis["parameter"]: axis for axis in run.get("dimensions", [])}
+    flat = {f"{part}.{name}": value for part, of in parts.items() for name, value in of.items()}
+    return {**run.get("parameters", {}), **flat}
 
 
 def _code(runs: Mapping[str, Record]) -> dict[str, Any]:
     """Return hashes of the source files and versions of the packages that runs used."""
-    return {
-        name: used
-        for run in runs.values()
-        for name, used in {**run["sources"], **run["versions"]}.items()
-    }
+    used = [{**run["sources"], **run["versions"]} for run in runs.values()]
+    return {name: value for each in used for name, value in each.items()}
 
 
-def _are_judged(folder: Path, runs: Mapping[str, Record], found: Comparison) -> bool:
-    """Return True if no data changed since the claims were judged; note it if some did."""
-    newer = [str(path.relative_to(folder)) for run in runs.values() if CLAIMS in run["outputs"]
-             for path in changed_inputs(run)]  # fmt: skip
-    if newer:
-        names = ", ".join(newer[:3]) + (", …" if len(newer) > 3 else "")
-        found.not_compared.append(
-            f"{CLAIMS}: not judged since {names} changed in {folder}: build claims.csv"
-        )
-    return not newer
+def _newer(runs: Mapping[str, Record]) -> list[Path]:
+    """Return the data that changed since the claims of a folder were judged by them."""
+    judging = [run for run in runs.values() if CLAIMS in run["outputs"]]
+    return [path for run in judging for path in changed_inputs(run)]
 
 
 def _compare_data(name: str, first: Path, second: Path, found: Comparison) -> None:

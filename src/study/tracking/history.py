@@ -7,7 +7,6 @@ Starts are numbered in their order, whatever the clock says. Only Snakemake's ma
 the history, under the lock of the results root.
 """
 
-import shutil
 from collections.abc import Mapping, Sequence
 from datetime import datetime
 from operator import itemgetter
@@ -17,11 +16,9 @@ from model.sweeps.files import write_json
 from study.tracking import TrackingError
 from study.tracking.locks import is_running
 from study.tracking.records import Record, iso, named, read_record, records
-from study.tracking.slurm import slurm_reasons
 
-RUN_STATUS = ("done", "failed", "interrupted")
+STATUS = ("done", "failed", "interrupted", "running")  # of a start; a run that runs has no record
 _OF_START = {"start", "outcome", "started"}
-_FULL = 1_000_000  # bytes: a disk with less free space counts as full
 _order = itemgetter("start", "started", "run")
 
 
@@ -57,15 +54,22 @@ def end_of_killed(root: Path) -> None:
             write_json(completed(root, record, "interrupted", None), start_file(root, number))
 
 
-def completed(root: Path, record: Record, outcome: str, ended: datetime | None) -> Record:
-    """Return the record of a start with its outcome, its end, its runs and its failures."""
+def completed(
+    root: Path,
+    record: Record,
+    outcome: str,
+    ended: datetime | None,
+    said: Mapping[str, str] | None = None,
+) -> Record:
+    """Return the record of a start with its outcome, its end, its runs and its failures.
+
+    ``said`` are the words of a cluster on runs that failed, by name.
+    """
     own = [each for each in records(root) if each["start"] == record["start"]]
     failures: list[Record] = []
     if outcome in ("failed", "interrupted"):
-        reasons = slurm_reasons(root, record.get("snakemake_log"))
-        failures = runs_without_record(
-            root, record["start"], reasons, {each["run"] for each in own}
-        )
+        whole = {each["run"] for each in own}
+        failures = _without_record(root, record["start"], whole, said or {})
         if failures and all(each["status"] == "interrupted" for each in failures):
             outcome = "interrupted"
     seconds = ended and (ended - datetime.fromisoformat(record["started"])).total_seconds()
@@ -80,9 +84,7 @@ def completed(root: Path, record: Record, outcome: str, ended: datetime | None) 
 
 
 def load_history(root: Path) -> list[Record]:
-    """Return all starts recorded below a results root, in their order.
-
-    ``outcome`` is "done", "failed", "interrupted" or "running".
+    """Return all starts recorded below a results root, in their order; ``outcome`` is a STATUS.
 
     Raises:
         TrackingError: the results root has no history, or a file is no record.
@@ -103,10 +105,8 @@ def load_history(root: Path) -> list[Record]:
 
 def find_start(history: Sequence[Record], name: str) -> Record:
     """Return the start of a number; "last" is the latest."""
-    if name == "last" and history:
-        return history[-1]
-    for record in history:
-        if str(record["start"]) == name:
+    for record in reversed(history):
+        if name in ("last", str(record["start"])):
             return record
     raise TrackingError(f"{name!r} is no start; python -m study runs --starts lists them")
 
@@ -114,63 +114,46 @@ def find_start(history: Sequence[Record], name: str) -> Record:
 # --- Runs ---------------------------------------------------------------------------------------
 
 
-def runs_without_record(
-    root: Path, start: int, reasons: Mapping[str, str], whole: set[str]
+def _without_record(
+    root: Path, start: int, whole: set[str], said: Mapping[str, str]
 ) -> list[Record]:
     """Return the runs of a start that left no record: failed or interrupted.
 
     Snakemake deletes the outputs of a job before it starts and again when it fails; the log stays,
-    and its first line names the start. ``reasons`` are those that Slurm gives, by name of the run.
-    They count if the run left no log, or a log without a message.
+    and its first line names the start. Where a log says nothing, ``said`` counts.
     """
-    logs: dict[str, list[str]] = {}
+    logs = {run: ("", [words]) for run, words in said.items()}
     for path in (root / "logs").glob("**/*.log"):
         head, *lines = path.read_text(encoding="utf-8", errors="replace").splitlines() or [""]
         if head.startswith(f"start {start} "):
             run = path.relative_to(root / "logs").with_suffix("").as_posix()
-            logs[run] = [head.split()[2], *lines]
+            words = [line.strip() for line in lines if line.strip()]
+            logs[run] = head.split()[2], words or logs.get(run, ("", words))[1]
     found = []
-    for run in sorted((logs.keys() | reasons.keys()) - whole):
-        began, *lines = logs.get(run, [""])
-        status, reason = _last_word(lines, root)
-        if run in reasons and status == "interrupted":
-            status, reason = "failed", reasons[run]
+    for run in sorted(logs.keys() - whole):
+        began, words = logs[run]
+        status = "interrupted"
+        reason = "ended without a message: it or Snakemake was killed, or the disk is full"
+        if words and words[-1] != "KeyboardInterrupt":
+            status, reason = "failed", words[-1]
         stated = {"start": start, "started": began, "status": status, "reason": reason}
         found.append({**named(run), **stated, "log": f"logs/{run}.log"})
     return found
 
 
-def _last_word(lines: Sequence[str], root: Path) -> tuple[str, str]:
-    """Return (status, reason) of a run that left no record, from its log."""
-    said = [line.strip() for line in lines if line.strip()]
-    if said and said[-1] != "KeyboardInterrupt":
-        return "failed", said[-1]
-    free = shutil.disk_usage(root).free
-    if not said and free < _FULL:  # a full disk has no room for a message either
-        return "failed", f"ended without a message, with {free // 1000} kB left on the disk"
-    return "interrupted", "ended without a message: it was killed, or Snakemake was"
-
-
 def load_runs(root: Path) -> list[Record]:
     """Return all runs recorded below a results root, in the order of their starts.
 
-    A run is its record with further keys: ``status``, one of RUN_STATUS; ``current``, True if its
-    results are in place, or for the last failure of a run that has no results; and for a failure
-    the ``reason``.
+    A run is its record with further keys: ``status``; ``current``, True for the last of its name;
+    and for a failure the ``reason``.
     """
-    standing = {(each["run"], each["start"]): each for each in records(root)}
-    runs = {key: {**each, "status": "done"} for key, each in standing.items()}
+    runs: list[Record] = []
     for start in load_history(root):
-        for each in start["runs"]:
-            runs.setdefault((each["run"], each["start"]), {**each, "status": "done"})
-        for each in start["failures"]:
-            runs[each["run"], each["start"]] = {"git": start["git"], **each}
-    whole = {run for run, _ in standing}
-    last = {run: start for run, start in sorted(runs) if run not in whole}
-    for (run, start), each in runs.items():
-        failed_last = each["status"] != "done" and last.get(run) == start
-        each["current"] = (run, start) in standing or failed_last
-    return sorted(runs.values(), key=_order)
+        runs += [{**each, "status": "done"} for each in start["runs"]]
+        runs += [{"git": start["git"], **each} for each in start["failures"]]
+    last = {each["run"]: each["start"] for each in runs}
+    found = [{**each, "current": last[each["run"]] == each["start"]} for each in runs]
+    return sorted(found, key=_order)
 
 
 def find_run(runs: Sequence[Record], name: str) -> Record:
@@ -180,9 +163,3 @@ def find_run(runs: Sequence[Record], name: str) -> Record:
     if not found:
         raise TrackingError(f"{name!r} is no run; python -m study runs lists them")
     return found[-1]
-
-
-def has_outcome(run: Record, outcome: str) -> bool:
-    """Return whether a run or start ended so, or one of a run's trajectories did."""
-    ended = run.get("status", run.get("outcome"))
-    return bool(ended == outcome or run.get("counts", {}).get(outcome, 0))

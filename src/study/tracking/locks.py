@@ -7,13 +7,11 @@ locks on to all machines that build there.
 
 import fcntl
 import sys
-import time
 from pathlib import Path
 from typing import IO
 
 from study.tracking import TrackingError
 
-_PATIENCE = 5.0  # seconds: a process that was just killed may hold its lock for a moment
 _held: list[IO[str]] = []  # until this process ends
 
 
@@ -34,18 +32,14 @@ def lock_root(root: Path) -> IO[str]:
         TrackingError: another start builds here.
         OSError: the root cannot be written, or its file system has no locks.
     """
-    lock, until = _open(root, "lock"), time.monotonic() + _PATIENCE
-    while True:
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            break
-        except BlockingIOError:
-            if time.monotonic() > until:
-                raise TrackingError(
-                    f"another start builds {root} now: wait until it ends, or stop it; "
-                    "`python -m study runs --starts` shows it"
-                ) from None
-            time.sleep(0.1)
+    lock = _open(root, "lock")
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        raise TrackingError(
+            f"another start builds {root} now: wait until it ends, or stop it; "
+            "`python -m study runs --starts` shows it"
+        ) from None
     tell(lock, 0)  # a job of an earlier start that begins from now on is refused
     jobs = _open(root, "jobs.lock")
     try:
@@ -68,11 +62,13 @@ def hold_as_job(root: Path, start: int) -> None:
     """Lock a results root for a job, together with other jobs, until its process ends.
 
     Raises:
-        SystemExit: the start that the job belongs to was killed, and another has the root.
+        TrackingError: the start that the job belongs to was killed, and another has the root.
     """
     fcntl.flock(_open(root, "jobs.lock"), fcntl.LOCK_SH)
     if (now := _holder(root)) != start:
-        raise SystemExit(f"refused: this job's start, {start}, was killed (the lock names {now})")
+        raise TrackingError(
+            f"refused: this job's start, {start}, was killed (the lock names {now})"
+        )
 
 
 def _holder(root: Path) -> int | None:

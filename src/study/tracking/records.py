@@ -15,9 +15,7 @@ import platform
 import re
 import resource
 import sys
-import time
-from collections.abc import Iterable, Iterator, Sequence, Set
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Set
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -150,7 +148,7 @@ def records(root: Path) -> list[Record]:
     """Return the records below a results root, in the order of their paths.
 
     ``folder`` is added to each: the folder from which its inputs and outputs are named. Folders
-    that are links are followed; another results root inside this one is left out.
+    that are links are followed.
 
     Raises:
         TrackingError: a folder cannot be listed, or a file is no record.
@@ -159,15 +157,11 @@ def records(root: Path) -> list[Record]:
     def refuse(error: OSError) -> None:
         raise TrackingError(f"{root}: its records cannot be read ({error})")
 
-    found, seen = [], set()
+    found: list[Path] = []
     for folder, inside, names in os.walk(root, followlinks=True, onerror=refuse):
         here = Path(folder)
         if here == root:
             inside[:] = set(inside) - {"history", "logs"}
-        elif "history" in inside or here.resolve() in seen:
-            inside.clear()
-            continue
-        seen.add(here.resolve())
         found += [here / name for name in names if name.endswith(".run.json")]
     return [{**read_record(path), "folder": str(path.parent)} for path in sorted(found)]
 
@@ -189,23 +183,16 @@ def changed_inputs(record: Record) -> list[Path]:
 # --- The look -----------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Kept:
-    """A job that Snakemake takes for done: it would build on the outputs as they are."""
-
-    record: Path
-    outputs: Sequence[Path]  # without the record
-    code: str  # hash of the code as it is now
-    stated: str  # hash of the configuration as it is now
-
-
-def look(jobs: Iterable[Kept]) -> None:
+def look(jobs: Iterable[Any]) -> None:
     """Refuse results that are not what their records say.
 
+    Args:
+        jobs: Snakemake's jobs that it takes for done: it would build on their outputs as they are.
+
     Raises:
-        TrackingError: a line for each file that is not as its job left it, has no record, was made
-            from other inputs, code or configuration, or is dated in the future; or files cannot be
-            read, so that nobody knows.
+        TrackingError: a line for each file that is not as its job left it, has no record, or was
+            made from other inputs, code or configuration; or files cannot be read, so that nobody
+            knows.
     """
     try:
         faults = [fault for job in jobs for fault in _faults(job)]
@@ -222,16 +209,17 @@ def look(jobs: Iterable[Kept]) -> None:
 _SHOWN = 20
 
 
-def _faults(job: Kept) -> Iterator[str]:
+def _faults(job: Any) -> Iterator[str]:
     """Yield what is wrong with the outputs of a job and its record."""
-    there = [path for path in job.outputs if os.path.lexists(path)]
+    place = Path(job.output.record)
+    there = [Path(each) for each in job.output if Path(each) != place and os.path.lexists(each)]
     if not there:
         return
-    if not job.record.exists():
-        yield from (f"{path}: has no record ({job.record})" for path in there)
+    if not place.exists():
+        yield from (f"{path}: has no record ({place})" for path in there)
         return
     try:
-        record = {**read_record(job.record), "folder": str(job.record.parent)}
+        record = {**read_record(place), "folder": str(place.parent)}
     except TrackingError as fault:
         yield str(fault)
         return
@@ -241,10 +229,9 @@ def _faults(job: Kept) -> Iterator[str]:
             yield f"{path}: is a link to nothing"
         elif made.get(Path(os.path.normpath(path))) != file_hash(path):
             yield f"{path}: is not the file that its job left"
-        elif path.stat().st_mtime > time.time():
-            yield f"{path}: is dated in the future; correct the clock and `touch` the file"
     yield from (f"{there[0]}: was made from another {path}" for path in changed_inputs(record))
-    for what in ("code", "stated"):
-        if record.get(what) != getattr(job, what):
-            words = "code" if what == "code" else "configuration"
+    unnamed = len(job.params) - len(dict(job.params.items()))  # these come first: the code
+    now = {"code": code_hash(job.params[:unnamed]), "stated": stated_hash(job.params)}
+    for what, words in (("code", "code"), ("stated", "configuration")):
+        if record.get(what) != now[what]:
             yield f"{there[0]}: was made with another {words}, which Snakemake was told to overlook"

@@ -27,9 +27,8 @@ from study.tracking import TrackingError
 from study.tracking.checkout import git_state, versions
 from study.tracking.code import code_hash, code_of
 from study.tracking.history import completed, end_of_killed, free_number, start_file
-from study.tracking.locks import lock_root, say, tell
-from study.tracking.records import START, Kept, Record, iso, look, stated_hash
-from study.tracking.slurm import refuse_held_jobs
+from study.tracking.locks import hold_as_job, lock_root, say, tell
+from study.tracking.records import START, Record, iso, look, stated_hash
 
 
 class Start(logging.Filter):
@@ -43,6 +42,7 @@ class Start(logging.Filter):
         self._began = datetime.now(UTC)
         self._record: Record = {}
         self._outcome, self._error, self._looked = "interrupted", "", False
+        self._said: dict[str, str] = {}  # by a cluster, on runs that failed
         logger.addFilter(self)
         atexit.register(self._end)
 
@@ -52,6 +52,8 @@ class Start(logging.Filter):
         if event == LogEvent.ERROR:
             lines = (line.strip() for line in message.splitlines())
             self._outcome, self._error = "failed", "; ".join(filter(None, lines))
+        elif event in (LogEvent.JOB_ERROR, LogEvent.GROUP_ERROR):
+            self._hear(record)
         elif self._workflow.output_settings.dryrun:
             pass
         elif event == LogEvent.WORKFLOW_STARTED:
@@ -60,9 +62,18 @@ class Start(logging.Filter):
             _refusing(self._look)
         return True
 
+    def _hear(self, record: logging.LogRecord) -> None:
+        """Keep what a cluster says of jobs that failed: their own logs may be empty, or missing."""
+        jobs = getattr(record, "job_error_info", None) or [vars(record)]
+        for job in jobs:
+            own, *others = map(str, [*job["log"], *getattr(record, "aux_logs", [])])
+            if others:
+                words = f"{job['rule_msg'] or 'its job on the cluster failed'}: {', '.join(others)}"
+                run = Path(own).absolute().relative_to(self._root / "logs").with_suffix("")
+                self._said.setdefault(run.as_posix(), words)
+
     def _begin(self) -> None:
         """Lock the results root and record the start, before Snakemake looks at its files."""
-        refuse_held_jobs(Path.cwd())
         lock = lock_root(self._shown)
         for part in self._root.rglob(".*.part"):  # of killed jobs
             part.unlink()
@@ -95,14 +106,8 @@ class Start(logging.Filter):
         """Look at the outputs of all jobs that Snakemake leaves out, before it runs the others."""
         dag, touches = self._workflow.dag, self._workflow.touch
         kept = (job for job in dag.jobs if touches or not dag.needrun(job))
-        look(self._kept(job) for job in kept if hasattr(job.output, "record"))
+        look(job for job in kept if hasattr(job.output, "record"))
         self._looked = True
-
-    def _kept(self, job: Any) -> Kept:
-        record = Path(job.output.record)
-        outputs = [Path(each) for each in job.output if Path(each) != record]
-        unnamed = len(job.params) - len(dict(job.params.items()))  # these come first: the code
-        return Kept(record, outputs, code_hash(job.params[:unnamed]), stated_hash(job.params))
 
     def _end(self) -> None:
         """Record the end, and tell which runs failed; the process ends then."""
@@ -119,7 +124,8 @@ class Start(logging.Filter):
                 self._write_start()
             logs = self._workflow.logger_manager.get_logfile()
             self._record["snakemake_log"] = logs[0] if logs else None
-            ended = completed(self._root, self._record, self._outcome, datetime.now(UTC))
+            now = datetime.now(UTC)
+            ended = completed(self._root, self._record, self._outcome, now, self._said)
             if self._error and not ended["failures"]:
                 ended["reason"] = self._error
             write_json(ended, start_file(self._root, ended["start"]))
@@ -155,7 +161,8 @@ def begin(workflow: Any, root: Path) -> Start | None:
     """Begin a start of the study that builds into ``root``; return None in a job on a cluster.
 
     Raises:
-        WorkflowError: results are to be deleted while another start builds them.
+        WorkflowError: results are to be deleted while another start builds them; or the start of
+            this job was killed, and another builds here.
     """
     if shlex.quote(sys.executable) != sys.executable:  # Snakemake's shell commands set no quotes
         interpreter = Path(sys.executable)
@@ -163,6 +170,7 @@ def begin(workflow: Any, root: Path) -> Start | None:
         sys.executable = interpreter.name
     os.environ["MPLBACKEND"] = "agg"  # that of a notebook draws no files
     if not workflow.is_main_process:
+        _refusing(lambda: hold_as_job(root, json.loads(os.environ[START])["start"]))
         return None
     if any(word.startswith("--delete-") for word in sys.argv):  # Snakemake logs no event of these
         _refusing(lambda: lock_root(root))
