@@ -12,13 +12,12 @@ from numpy.typing import NDArray
 
 from model.engine.results import RESULTS, VALUE_TYPES
 from model.events.outcomes import Outcome
-from model.physics.parameters import PARAMETER_NAMES, Parameters, check_name
 from model.physics.quantities import ANGLE, PLAIN
 from model.physics.tables import vars_of
 from model.physics.units import scales
 from model.runs.align import align
 from model.runs.settings import Settings
-from model.sweeps.io import described, parameter_attributes, result_attributes, summary_of
+from model.sweeps.io import described, result_attributes, summary_of
 from vibralign.answers.assumptions import (
     as_attribute,
     assumptions_with,
@@ -29,8 +28,8 @@ from vibralign.answers.maps import corners_of, held_at_corners, quantity_attribu
 from vibralign.device.amounts import read_values
 from vibralign.device.batches import by_settings, devices_of, rows_of
 from vibralign.device.mouth import judged
-from vibralign.device.runs import IN_SI, AnyDevice, Device, devices_in, with_changes
-from vibralign.device.stated import StatedDevice, check_quantity, unit_of
+from vibralign.device.runs import IN_SI, AnyDevice, stated_devices, with_changes
+from vibralign.device.stated import StatedDevice, unit_of
 
 Axes = Mapping[str, NDArray[np.float64]]
 
@@ -48,52 +47,43 @@ def sweep(
     """Run a device over a grid of its quantities and return all results as a dataset.
 
     ``sweep("peg.yaml", frequency="20 to 150 Hz", press_force=[8, 10, "12 N"])`` has the dimensions
-    frequency and press_force. Its variables are the results of ``align``, in SI units for a device
-    in SI units: times with their errors, outcomes as CF flags, forces; and the quantities that are
-    held. Its attributes state the device, its shape, the version and what the answers assume.
+    frequency and press_force. Its variables are the results of ``align`` in SI units: times with
+    their errors, outcomes as CF flags, forces; and the quantities that are held. Its attributes
+    state the device, its shape, the version and what the answers assume.
 
     Args:
-        device: as ``simulate`` takes it; a list has its own dimension, ``device``.
+        device: of a file, as ``simulate`` takes it; a list has its own dimension, ``device``.
         settings: settings of the runs; the defaults of ``Settings`` if None.
         points: number of values, >= 2, of an axis that is given as a range.
         cores: number of threads, >= 1; all cores by default.
         **axes: quantities by name, each given as a range in a text ("20..150 Hz"), as its values,
-            or as one value for all runs. Numbers are in SI units (dimensionless for
-            ``Parameters``), texts have units. Also fields of ``Settings``, as for ``simulate``.
+            or as one value for all runs. Numbers are in SI units, texts have units. Also fields of
+            ``Settings``, as for ``simulate``.
 
     Raises:
-        TypeError: no device, or a setting of the wrong type.
-        ValueError: an unknown name, a value that is no amount or breaks its rule, or devices in SI
-            units beside dimensionless ones.
+        TypeError: no device, a dimensionless one, or a setting of the wrong type.
+        ValueError: an unknown name, or a value that is no amount or breaks its rule.
     """
     names = {each.name for each in fields(Settings)}
     changes = {name: value for name, value in axes.items() if name in names}
     varied = {name: value for name, value in axes.items() if name not in names}
-    devices = [with_changes(each, settings, changes) for each in devices_in(device)]
+    devices = [with_changes(each, settings, changes) for each in stated_devices(device)]
     if not devices:
         raise ValueError("no device: give at least one")
-    if len({type(each) for each, _ in devices}) > 1:
-        raise ValueError("devices must all be in SI units, or all dimensionless")
     if not (isinstance(points, numbers.Integral) and points >= 2):
         raise ValueError(f"points = {points!r}: must be a whole number >= 2")
-    is_stated = isinstance(devices[0][0], StatedDevice)
-    for name in changes.keys() & IN_SI.keys() if is_stated else ():
+    for name in changes.keys() & IN_SI.keys():
         if not isinstance(changes[name], str):
             rule = f"must be a text with a unit, such as '1 {IN_SI[name].unit}'"
             raise ValueError(f"{name} = {changes[name]!r}: {rule}")  # noqa: TRY004 - by its value
-    for name in varied:
-        if is_stated:
-            check_quantity(name)
-        else:
-            check_name(name, PARAMETER_NAMES, "quantity of a device")
-    units = {name: unit_of(name) if is_stated else "1" for name in varied}
+    units = {name: unit_of(name) for name in varied}
     values = {name: read_values(name, v, units[name], int(points)) for name, v in varied.items()}
     for one, _ in devices:
         _check(one, values)
-        for each in corners_of(_lists(values)) if isinstance(one, StatedDevice) and values else ():
+        for each in corners_of(_lists(values)) if values else ():
             one.warn(each)
     parts = [_study(one, own, values, cores) for one, own in devices]
-    if not isinstance(device, (Parameters, StatedDevice, str)) and isinstance(device, Iterable):
+    if not isinstance(device, (StatedDevice, str)) and isinstance(device, Iterable):
         return described(_side_by_side(parts))
     return described(parts[0])
 
@@ -119,53 +109,47 @@ def _lists(axes: Axes) -> dict[str, list[float]]:
     return {name: np.atleast_1d(values).tolist() for name, values in axes.items()}
 
 
-def _check(device: Device, axes: Axes) -> None:
+def _check(device: StatedDevice, axes: Axes) -> None:
     """Refuse values that no file may state, of every axis and at the corners of the grid."""
     lists = _lists(axes)
     first = {name: values[0] for name, values in lists.items()}
     alone = [first | {name: value} for name, values in lists.items() for value in values]
     for each in [*corners_of(lists), *alone]:
-        if isinstance(device, StatedDevice):
-            device.admitted(each)
-        else:
-            device.replace(**each)
+        device.admitted(each)
 
 
-def _study(device: Device, settings: Settings, axes: Axes, cores: int | None) -> xr.Dataset:
+def _study(device: StatedDevice, settings: Settings, axes: Axes, cores: int | None) -> xr.Dataset:
     """Return the dataset of one device."""
     swept = {name: values for name, values in axes.items() if values.ndim}
     shape = tuple(values.size for values in swept.values())
     grid = np.meshgrid(*axes.values(), indexing="ij") if axes else []
     columns = {name: each.ravel() for name, each in zip(axes, grid, strict=True)}
     batch, units = devices_of(device, columns)
-    groups = {settings: [*range(len(batch))]}
-    if isinstance(device, StatedDevice):
-        groups = by_settings(device, settings, units)
+    groups = by_settings(device, settings, units)
     found: dict[str, NDArray[Any]] = {}
     for own, rows in groups.items():
         some = rows_of(batch, rows)
-        runs = vars_of(align(some, own, cores=cores))
-        if isinstance(device, StatedDevice):
-            runs = judged(runs, some.values, chamfered=device.is_chamfered)
+        runs = judged(
+            vars_of(align(some, own, cores=cores)), some.values, chamfered=device.is_chamfered
+        )
         for name, result in RESULTS.items():
             if name in _OF_INSERTION and own.success is not Outcome.INSERTED:
                 continue
             column = runs[name]
-            if units and result.quantity not in (PLAIN, ANGLE):
+            if result.quantity not in (PLAIN, ANGLE):
                 column = column * scales([units[row] for row in rows], result.quantity)
             whole = found.setdefault(name, np.empty(len(batch), VALUE_TYPES[name].stored))
             whole[rows] = column
     variables = {
-        name: ([*swept], column.reshape(shape), _attributes(name, in_si=bool(units)))
-        for name, column in found.items()
+        name: ([*swept], column.reshape(shape), _attributes(name)) for name, column in found.items()
     }
     is_input = {"coverage_content_type": "referenceInformation"}
     held = {
-        name: ((), value, _of_quantity(device, name) | is_input)
+        name: ((), value, _of_quantity(name) | is_input)
         for name, value in held_at_corners(device, _lists(axes)).items()
         if not np.ndim(axes.get(name, 0.0))
     }
-    dimensions = {name: (name, v, _of_quantity(device, name)) for name, v in swept.items()}
+    dimensions = {name: (name, v, _of_quantity(name)) for name, v in swept.items()}
     stated = _stated(device, next(iter(groups)), swept)
     corners = corners_of(_lists(axes))
     words = [assumptions_with(device, each, settings, None) for each in corners]
@@ -173,30 +157,28 @@ def _study(device: Device, settings: Settings, axes: Axes, cores: int | None) ->
     return xr.Dataset(variables | held, dimensions, stated)
 
 
-def _attributes(name: str, *, in_si: bool) -> dict[str, Any]:
+def _attributes(name: str) -> dict[str, Any]:
     attributes, quantity = result_attributes(RESULTS[name]), RESULTS[name].quantity
-    if in_si and quantity not in (PLAIN, ANGLE):
+    if quantity not in (PLAIN, ANGLE):
         attributes["units"] = quantity.unit
     if name == "tau_align":
         attributes["ancillary_variables"] = "tau_error outcome reason sensitive"
     return attributes
 
 
-def _of_quantity(device: Device, name: str) -> dict[str, Any]:
+def _of_quantity(name: str) -> dict[str, Any]:
     """Return the attributes of a quantity, with a name that is short enough for a plot."""
-    of = quantity_attributes if isinstance(device, StatedDevice) else parameter_attributes
-    attributes = of(name)
+    attributes = quantity_attributes(name)
     return attributes | {"long_name": attributes["long_name"].partition(";")[0]}
 
 
-def _stated(device: Device, settings: Settings, swept: Axes) -> dict[str, Any]:
+def _stated(device: StatedDevice, settings: Settings, swept: Axes) -> dict[str, Any]:
     """Return the attributes of the dataset of one device."""
-    is_stated = isinstance(device, StatedDevice)
-    words = source_words(device) if isinstance(device, StatedDevice) else "dimensionless"
+    words = source_words(device)
     return {
         "title": f"Study of the device {words}",
         "summary": summary_of(
-            {_of_quantity(device, name)["long_name"]: v.size for name, v in swept.items()}
+            {_of_quantity(name)["long_name"]: v.size for name, v in swept.items()}
         ),
         "device": words,
         "shape": settings.shape or "square",
@@ -204,5 +186,5 @@ def _stated(device: Device, settings: Settings, swept: Axes) -> dict[str, Any]:
         "start": settings.start or "simultaneous",
         "readings": json.dumps(asdict(settings.readings)),
         "tolerance": settings.tolerance,
-        "comment": "SI units" if is_stated else "All quantities are dimensionless.",
+        "comment": "SI units",
     }

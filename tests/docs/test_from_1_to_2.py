@@ -52,11 +52,27 @@ COMMANDS = {
         f"study runs --{each}": "filter what --json prints" for each in _FILTERS
     },
     "`--dimensionless`": {
-        f"vibralign {each} --dimensionless": "in Python returns dimensionless numbers"
+        f"vibralign {each} --device {PEG} --dimensionless": "in Python returns dimensionless"
         for each in ("assess", "simulate")
     },
+    "`assess`, `map`, `explore` without `--device`": {
+        f"vibralign {each}": "--device"
+        for each in (
+            "assess",
+            "explore --out a.html",
+            "map --x mass 1 2 --y friction 0 1 --out a.nc",
+        )
+    },
+    "`--readings printed`": {"vibralign simulate --readings printed": "--reading all=printed"},
+    "`design --out`, `--plot`": {
+        f"vibralign design --device {PEG} --out a.nc": "returns every setting",
+        f"vibralign design --device {PEG} --plot a.png": "assess --sheet and vibralign map",
+    },
+    "`new --from`": {f"vibralign new a.yaml --from {PEG}": "copy the file"},
     "`simulate --animate`": {"vibralign simulate --animate run.html": "explore animates the run"},
-    "`assess --bases`": {"vibralign assess --bases": "leave the base out of the device file"},
+    "`assess --bases`": {
+        f"vibralign assess --device {PEG} --bases": "leave the base out of the device file"
+    },
     "`--start` with `--device`": {
         f"vibralign {each} --device {PEG} --start pressed": "write vibrator: still"
         for each in ("simulate", "assess")
@@ -80,6 +96,9 @@ CALLS = {
     "`align(…, engine=…)`": {
         f"import vibralign; vibralign.{each}('{PEG}', engine='batch')": "leave it out"
         for each in ("align", "simulate")
+    },
+    "`reliable_at` of `Parameters`": {
+        "import vibralign; vibralign.reliable_at(vibralign.baseline())": "only simulate and align"
     },
     "`StatedDevice.start`": {
         f"import vibralign; vibralign.load_device('{PEG}').start": "write `vibrator` and `sudden`",
@@ -131,7 +150,7 @@ def test_an_old_command(given, words, capsys):
 
 @pytest.mark.parametrize(("code", "words"), of(CALLS), ids=lambda each: each[:60])
 def test_an_old_call(code, words):
-    with pytest.raises((ImportError, AttributeError, ValueError)) as refusal:
+    with pytest.raises((ImportError, AttributeError, TypeError, ValueError)) as refusal:
         exec(code, {})  # noqa: S102 - the calls above
     assert words in str(refusal.value)
 

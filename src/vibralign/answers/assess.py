@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from model.physics.parameters import Parameters
 from model.physics.tables import Value
 from model.physics.units import UNITS
 from model.runs.settings import Settings
@@ -56,32 +55,32 @@ from vibralign.device.approach import Approach
 from vibralign.device.batches import Values
 from vibralign.device.limits import of_vibrator
 from vibralign.device.mouth import GRIPPER_TILT
-from vibralign.device.runs import AnyDevice, device_of, of_device, settings_for
+from vibralign.device.runs import AnyDevice, of_device, settings_for, stated_of
 
 _PAIRED = "press_force", "tilt_stiffness", "friction", "amplitude"  # changed two together
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Assessment(Value):
-    """Results of a device in every case, dimensionless, and its leeways.
+    """Results of a device in every case, dimensionless, and its leeways in SI units.
 
     Attributes:
+        device: the device.
         starts: number of cases: starts, on each of the bases if bases are tried.
         aligned: number of cases in which the device succeeds.
         tau_best, tau_worst: shortest and longest alignment time of these, NaN without any.
-        failing_start: the first case in which the device does not succeed, or None; in SI units for
-            a device of a file, with stiffness and restitution of a base that is not the device's.
+        failing_start: the first case in which the device does not succeed, or None; in SI units,
+            with stiffness and restitution of a base that is not the device's.
         contact_force_max, tilt_max: largest value over all cases, the force at any place.
         separations: smallest and largest number of lift-offs over all cases.
-        leeways: of the values in ``VARIED`` that are not 0, in SI units for a device of a file;
-            empty if a case fails.
+        leeways: of the values in ``VARIED`` that are not 0, in SI units; empty if a case fails.
         nearest: nearest reliable values of these; empty if no case fails.
         bases: verdicts on the bases; empty if the base is stated.
         forces: largest force over all cases by the place of contact.
         inserted: shortest and longest time until inserted, NaN without any.
         cause: why the failing case fails, in words; empty if none fails.
         change: the first change that makes it reliable, tried: values of one parameter or two, in
-            SI units for a device of a file; empty if none was found. A change of one parameter goes
+            SI units; empty if none was found. A change of one parameter goes
             a step (6 %) beyond the nearest reliable value, if that is reliable as well. It keeps
             the limits of the file, if any change tried does.
         change_exceeds: names of the limits that the change exceeds; empty if one tried keeps all.
@@ -91,11 +90,11 @@ class Assessment(Value):
         approaches: verdicts on the approaches that are tried; empty if only one is. The leeways,
             the nearest values and the change are those with ``worst``.
         failing_approach: approach of the failing case, None if it has none of its own.
-        device: the device.
         settings: settings of its runs.
         unvibrated: how it ends if it is only pressed, in words.
     """
 
+    device: StatedDevice
     starts: int
     aligned: int
     tau_best: float
@@ -116,7 +115,6 @@ class Assessment(Value):
     tilt_range: Leeway | None = None
     approaches: tuple[Verdict, ...] = ()
     failing_approach: Approach | None = None
-    device: Parameters | StatedDevice | None = None
     settings: Settings | None = None
     unvibrated: str = ""
 
@@ -160,7 +158,7 @@ class _Asked:
     ``failures`` counts by case the devices that failed, shape (cases,): these cases come first.
     """
 
-    device: Parameters | StatedDevice
+    device: StatedDevice
     cases: Starts
     settings: Settings
     cores: int
@@ -169,9 +167,7 @@ class _Asked:
     also: "_Asked | None" = None  # further cases in which the devices have to be reliable
 
     @classmethod
-    def of(
-        cls, device: Parameters | StatedDevice, cases: Starts, settings: Settings, cores: int
-    ) -> "_Asked":
+    def of(cls, device: StatedDevice, cases: Starts, settings: Settings, cores: int) -> "_Asked":
         return cls(device, cases, settings, cores, np.zeros(len(cases), np.int64))
 
     def reliable(self, values: Values) -> NDArray[np.bool_]:
@@ -204,22 +200,25 @@ def assess(
     """Assess a device by some thousand runs.
 
     Args:
-        device: as ``simulate`` takes it.
+        device: of a file, as ``simulate`` takes it.
         settings: settings of the runs; None for the defaults, in the insertion scene.
         ensemble: the starts; None for those of the study.
         cores: number of threads.
         vary: seek the leeways, or the nearest reliable values if a case fails.
+
+    Raises:
+        TypeError: a dimensionless device.
     """
-    device = device_of(device)
+    device = stated_of(device)
     settings, ensemble = settings_for(device, settings), ensemble or Ensemble()
     cases = cases_of(device, ensemble)
     found, units = from_every_start(device, as_stated(device), cases, settings, cores)
     results = {name: column[0] for name, column in found.items()}
     goes_in, tau, hops = results["goes_in"], results["tau_align"], results["separations"]
     tilts = [case.get(GRIPPER_TILT) for case in cases]
-    if isinstance(device, StatedDevice):
-        settings = device.run_settings(settings, units[0])
+    settings = device.run_settings(settings, units[0])
     result = Assessment(
+        device,
         len(cases),
         int(goes_in.sum()),
         *ends_of(tau[goes_in]),
@@ -232,14 +231,11 @@ def assess(
         inserted=ends_of((tau + results["tau_inserted"])[goes_in]),
         tilts=verdicts_on(tilts, cases, results),
         approaches=verdicts_on([*map(approach_of, cases)], cases, results),
-        device=device,
         settings=settings,
-        unvibrated=unvibrated_words(_parameters(device), settings),
+        unvibrated=unvibrated_words(device.parameters, settings),
     )
-    lowered, own = device, settings
-    if isinstance(device, StatedDevice):
-        lowered = device.lowered(result.worst)
-        own = lowered.run_settings(settings, units[0])
+    lowered = device.lowered(result.worst)
+    own = lowered.run_settings(settings, units[0])
     failing = None if goes_in.all() else cases[int(np.argmin(goes_in))]
     cause = None
     if failing is not None:
@@ -293,35 +289,24 @@ def _advice(
     return near, change or together(asked.device, asked.reliable, _PAIRED)
 
 
-def _limits_of(device: Parameters | StatedDevice) -> dict[str, float]:
+def _limits_of(device: StatedDevice) -> dict[str, float]:
     """Return the limits that advice keeps, a vibrator's raised to what the device needs now."""
-    if not isinstance(device, StatedDevice):
-        return {}
     needs = of_vibrator(device.units.amplitude, device.quantities["frequency"])
     limits = {n: max(limit, needs.get(n, 0.0)) for n, limit in device.limits.items()}
     return {name: limit for name, limit in limits.items() if name != "vibration"}
 
 
-def _parameters(device: Parameters | StatedDevice) -> Parameters:
-    return device.parameters if isinstance(device, StatedDevice) else device
-
-
-def _run_in(
-    device: Parameters | StatedDevice, case: Mapping[str, float], settings: Settings
-) -> Trajectory:
+def _run_in(device: StatedDevice, case: Mapping[str, float], settings: Settings) -> Trajectory:
     """Return the run of a device in a case, without an estimate of its error."""
-    parameters = parameters_in(device, case)
-    if isinstance(device, StatedDevice):
-        own = device.lowered(approach_of(case))
-        settings = own.run_settings(settings, own.units)
-    run = simulate_once(parameters, settings)
-    return of_device(run, device) if isinstance(device, StatedDevice) else run
+    own = device.lowered(approach_of(case))
+    run = simulate_once(parameters_in(device, case), own.run_settings(settings, own.units))
+    return of_device(run, device)
 
 
-def _held(device: Parameters | StatedDevice, cases: Starts) -> tuple[str, ...]:
+def _held(device: StatedDevice, cases: Starts) -> tuple[str, ...]:
     """Return the quantities that the cases replace: those of the base, the gripper's tilt."""
     tilts = tuple(ADDED if GRIPPER_TILT in cases[0] else ())
-    if isinstance(device, Parameters) or OF_BASE[0] not in cases[0]:
+    if OF_BASE[0] not in cases[0]:
         return tilts
     own_damping = "contact_damping" in device.quantities
     return ("contact_stiffness", *(() if own_damping else ("contact_damping",)), *tilts)

@@ -2,7 +2,6 @@
 
 import json
 import math
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
@@ -20,7 +19,6 @@ from vibralign.device.approach import SPEED
 from vibralign.device.base import USUAL_STIFFNESS
 from vibralign.device.mouth import GRIPPER_TILT
 
-_AMOUNTS = re.compile(r"(-?\d[\d.]*(?:e[-+]?\d+)?(?: (?:[kMG]?N(?: s)?/m|m?m|m?s|rad)\b)?)")
 _STARTS = {
     "simultaneous": "press and vibration set in together, on a part that touches without load",
     "pressed": "the part rests under the press, then the vibration sets in",
@@ -67,7 +65,7 @@ def assumptions(
 
 
 def assumptions_with(
-    device: Parameters | StatedDevice,
+    device: StatedDevice,
     values: Mapping[str, float],
     settings: Settings,
     ensemble: Ensemble | None,
@@ -75,32 +73,16 @@ def assumptions_with(
     tolerances_assumed: bool = False,
 ) -> dict[str, str]:
     """Return what the answer assumes for a device with other ``values`` of its quantities."""
-    if isinstance(device, Parameters):
-        return assumptions(device.replace(**values), settings, None, ensemble)
     here = replace(device.changed(**values), changes=device.changes)
     own = here.run_settings(settings, here.units)
     return assumptions(here.parameters, own, here, ensemble, tolerances_assumed=tolerances_assumed)
 
 
 def at_corners(corners: Sequence[Mapping[str, str]]) -> dict[str, str]:
-    """Return what a map assumes, from the assumptions at its corners; lists numbers that vary."""
-    words = dict(corners[0])
-    for name, first in words.items():
-        alike: dict[tuple[str, ...], list[list[str]]] = {}  # amounts by the text around them
-        for text in dict.fromkeys(each[name] for each in corners):
-            parts = _AMOUNTS.split(text)
-            alike.setdefault(tuple(parts[::2]), []).append(parts)
-        rows = ["".join(map(_listed, zip(*each, strict=True))) for each in alike.values()]
-        if len(rows) > 1:
-            words[name] = f"varies over the map: {'; '.join(rows)}"
-        elif rows[0] != first:
-            words[name] = f"{rows[0]}, at the corners of the map"
-    return words
-
-
-def _listed(texts: Sequence[str]) -> str:
-    distinct = list(dict.fromkeys(texts))
-    return (" to " if len(distinct) == 2 else ", ").join(distinct)
+    """Return what a map assumes, from the assumptions at its corners; lists those that vary."""
+    words = {name: list(dict.fromkeys(each[name] for each in corners)) for name in corners[0]}
+    varies = "varies over the map: "
+    return {n: each[0] if len(each) == 1 else varies + "; ".join(each) for n, each in words.items()}
 
 
 def lines_of(words: Mapping[str, str]) -> list[str]:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from model.physics.parameters import Batch, Parameters, Shape
 from model.physics.units import Units
 from model.sweeps.settings import Ensemble
-from model.sweeps.starts import Starts, starts_of, tilts_and_phases
+from model.sweeps.starts import Starts, tilts_and_phases
 from vibralign.device.approach import SPEED, Approach
 from vibralign.device.base import (
     MATERIALS,
@@ -100,18 +100,11 @@ def approach_of(case: Mapping[str, float]) -> Approach | None:
     return Approach("running" if case["vibrates"] else "still", case.get(SPEED))
 
 
-def cases_of(
-    device: Parameters | StatedDevice,
-    ensemble: Ensemble,
-    *,
-    varied: Collection[str] = (),
-) -> Starts:
+def cases_of(device: StatedDevice, ensemble: Ensemble, *, varied: Collection[str] = ()) -> Starts:
     """Return the cases of a device: its starts; on bases, too, if it states none.
 
     If the gripper's tilt is among the quantities that are ``varied``, the cases have no tilt.
     """
-    if isinstance(device, Parameters):
-        return starts_of(device, ensemble)
     starts = _starts_of(device, ensemble, tilts=GRIPPER_TILT not in varied)
     approaches = device.approaches(varied)
     if len(approaches) > 1:
@@ -175,13 +168,8 @@ def at_tilts(devices: Batch, cases: Starts) -> dict[str, NDArray[np.float64]]:
     return start_of(middle_of_face(given), given["half_height"], tilts)
 
 
-def stated_case(device: Parameters | StatedDevice, case: Mapping[str, float]) -> dict[str, float]:
-    """Return the values that state a case of a device, but for its approach.
-
-    They are in SI units or dimensionless, as the device is.
-    """
-    if isinstance(device, Parameters):
-        return dict(case)
+def stated_case(device: StatedDevice, case: Mapping[str, float]) -> dict[str, float]:
+    """Return the values that state a case of a device, but for its approach; in SI units."""
     device, case = device.lowered(approach_of(case)), without_approach(case)
     if OF_BASE[0] not in case:
         return dict(case)
@@ -195,9 +183,6 @@ def stated_case(device: Parameters | StatedDevice, case: Mapping[str, float]) ->
     return stated
 
 
-def parameters_in(device: Parameters | StatedDevice, case: Mapping[str, float]) -> Parameters:
+def parameters_in(device: StatedDevice, case: Mapping[str, float]) -> Parameters:
     """Return the parameters of a device in a case."""
-    stated = stated_case(device, case)
-    if isinstance(device, Parameters):
-        return device.replace(**stated)
-    return device.lowered(approach_of(case)).at(stated).parameters
+    return device.lowered(approach_of(case)).at(stated_case(device, case)).parameters

@@ -28,7 +28,7 @@ from vibralign.answers.reliability import Floats
 from vibralign.answers.yields import check_devices, interval
 from vibralign.device import StatedDevice, Tolerance
 from vibralign.device.instead import name_in
-from vibralign.device.runs import AnyDevice, device_of, settings_for
+from vibralign.device.runs import AnyDevice, settings_for, stated_of
 from vibralign.device.stated import unit_of
 
 MARGIN_STEP = 0.25
@@ -234,10 +234,7 @@ def trials_of(
 
     A device that states no approach is tried with the worst at its own values.
     """
-    stated = device_of(device)
-    if not isinstance(stated, StatedDevice):
-        raise TypeError("a design needs a device of a file, with free quantities, got Parameters")
-    stated = with_tolerances(stated)
+    stated = with_tolerances(stated_of(device))
     settings, ensemble = settings_for(stated, settings), ensemble or Ensemble()
     stated = in_worst_approach(stated, settings, ensemble, cores)
     cases = cases_of(stated, ensemble, varied=(*stated.free, *stated.tolerances))

@@ -11,9 +11,9 @@ outwards, and from a ragged end ``ACROSS`` more to the device's own value. The e
 past any that fails, until all of these hold.
 
 The same scan finds the nearest reliable values of a device that is not reliable, to a quarter of a
-step: each value that holds costs all cases of all approaches. The values of a device that its file
-states are in SI units. Its mass, axial stiffness and amplitude, which are the units of its
-dimensionless parameters, are scanned as well.
+step: each value that holds costs all cases of all approaches. All values are in SI units. Mass,
+axial stiffness and amplitude, which are the units of the dimensionless parameters, are scanned as
+well.
 """
 
 import itertools
@@ -24,7 +24,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from model.physics.parameters import Parameters
 from model.physics.units import UNITS
 from vibralign.device import StatedDevice
 from vibralign.device.instead import name_in
@@ -46,7 +45,6 @@ _FINEST_STEP = math.log(1.0 + FINEST) / math.log(STEP)  # in steps
 UNBROKEN, BEYOND, ACROSS = 8, 3, 24  # values inwards from an end, outwards, and to the own value
 PAIRED = 13  # values of each of two parameters that are changed together
 
-Stated = Parameters | StatedDevice
 Names = Collection[str]
 IsReliable = Callable[[Mapping[str, np.ndarray]], np.ndarray]
 """Takes parameters that vary together, shape (n,) each; returns where the device is reliable."""
@@ -136,7 +134,7 @@ def steps_between(name: str, value: float, other: float) -> float:
 
 
 def leeways(
-    device: Stated,
+    device: StatedDevice,
     is_reliable: IsReliable,
     is_late: IsReliable | None = None,
     held: Names = (),
@@ -164,7 +162,7 @@ def leeways(
 
 
 def nearest(
-    device: Stated,
+    device: StatedDevice,
     is_reliable: IsReliable,
     held: Names = (),
     may_be: IsReliable | None = None,
@@ -182,14 +180,13 @@ def nearest(
     )
 
 
-def together(device: Stated, is_reliable: IsReliable, names: Names) -> dict[str, float]:
+def together(device: StatedDevice, is_reliable: IsReliable, names: Names) -> dict[str, float]:
     """Return the nearest reliable values of two of these parameters; empty if none is found.
 
     Both are changed by up to the factor of a scan, the other parameters held.
     """
     own = _own(device)
-    if isinstance(device, StatedDevice):
-        names = [name_in(device.quantities, name) for name in names]
+    names = [name_in(device.quantities, name) for name in names]
     values = {
         name: [own[name], *(v for step in (-4.0, 4.0)
                             for v in _values(device, name, own[name], step, PAIRED // 2)[1:])]
@@ -213,7 +210,7 @@ def together(device: Stated, is_reliable: IsReliable, names: Names) -> dict[str,
 
 
 def a_step_inside(
-    device: Stated, is_reliable: IsReliable, change: Mapping[str, float]
+    device: StatedDevice, is_reliable: IsReliable, change: Mapping[str, float]
 ) -> Mapping[str, float]:
     """Return a change of one parameter a step further from its own value, where that is reliable.
 
@@ -230,7 +227,7 @@ def a_step_inside(
 
 
 def _ends(
-    device: Stated,
+    device: StatedDevice,
     are_alike: IsReliable,
     held: Names,
     parts_of_step: Sequence[int] = PARTS,
@@ -278,7 +275,7 @@ def _divided(name: str, start: float, stop: float, count: int) -> list[float]:
     return [start, *map(_printed, between(start, stop, count + 1)[1:-1].tolist())]
 
 
-def _unbroken(device: Stated, is_reliable: IsReliable, ends: Sequence[_End]) -> list[_End]:
+def _unbroken(device: StatedDevice, is_reliable: IsReliable, ends: Sequence[_End]) -> list[_End]:
     """Return the ends of scans, moved inwards until all values tried inside hold."""
     own, found = {each.parameter: each.value for each in ends}, list(ends)
     left = [i for i, end in enumerate(found) if end.other is not None]
@@ -299,7 +296,7 @@ def _unbroken(device: Stated, is_reliable: IsReliable, ends: Sequence[_End]) -> 
     return found
 
 
-def _inwards(device: Stated, end: _End) -> list[float]:
+def _inwards(device: StatedDevice, end: _End) -> list[float]:
     """Return an end, the values to try inwards from it, and the value after these."""
     assert end.other is not None  # noqa: S101 - the caller's
     name, outwards = end.parameter, _way(end)
@@ -317,7 +314,7 @@ def _way(end: _End) -> float:
     return math.copysign(1.0, steps_between(end.parameter, end.value, end.other))
 
 
-def _beyond(device: Stated, end: _End) -> list[float]:
+def _beyond(device: StatedDevice, end: _End) -> list[float]:
     """Return ``BEYOND`` values outwards from an end, without it."""
     return _values(device, end.parameter, end.alike, _way(end) * _FINEST_STEP, BEYOND)[1:]
 
@@ -388,30 +385,25 @@ def _swept(own: Mapping[str, float], tried: Sequence[tuple[str, float]]) -> dict
     }
 
 
-def _own(device: Stated, held: Names = ()) -> dict[str, float]:
-    """Return the device's own values of what is varied, in SI units for a device of a file.
+def _own(device: StatedDevice, held: Names = ()) -> dict[str, float]:
+    """Return the device's own values of what is varied, in SI units.
 
     These are by the names by which the file states them, such as ``play`` for the clearance.
     """
-    if isinstance(device, Parameters):
-        return {name: getattr(device, name) for name in VARIED if name not in held}
     values = {**device.values, **device.quantities}
     names = [name for name in (*UNITS, *VARIED, *ADDED) if name not in held]
     return {each: values[each] for each in (name_in(device.quantities, name) for name in names)}
 
 
 def _values(
-    device: Stated, name: str, own: float, step: float, steps: int | None = None
+    device: StatedDevice, name: str, own: float, step: float, steps: int | None = None
 ) -> list[float]:
     """Return the parameter's own value and the values of a scan that its rule admits."""
     values = [own]
     for number in range(1, (steps or STEPS) + 1):
         value = _printed(moved(name, own, number * step))
         try:
-            if isinstance(device, Parameters):
-                device.replace(**{name: value})
-            else:
-                device.admitted({name: value})
+            device.admitted({name: value})
         except ValueError:
             break
         values.append(value)

@@ -56,7 +56,7 @@ def limit_results(
     """
     if not stated.limits:
         return ()
-    assessed = assessed or Assessment(0, 0, math.nan, math.nan, failing_start=None)
+    assessed = assessed or Assessment(stated, 0, 0, math.nan, math.nan, failing_start=None)
     units = stated.units
     itself = {
         "time": units.time * assessed.tau_worst,

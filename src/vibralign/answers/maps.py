@@ -11,7 +11,7 @@ from pydantic import AfterValidator
 
 from model.engine.results import RESULTS, UNVIBRATED_CONTROL
 from model.events.scenes import ALIGNMENT
-from model.physics.parameters import Batch, Parameters
+from model.physics.parameters import Batch
 from model.physics.quantities import ANGLE, PLAIN
 from model.runs.settings import Settings
 from model.sweeps.axes import Axis, check_plane
@@ -97,7 +97,7 @@ class DeviceMap(Sweep):
 
 def in_every_case(
     found: xr.Dataset,
-    device: Parameters | StatedDevice,
+    device: StatedDevice,
     settings: Settings,
     ensemble: Ensemble,
     cores: int = 1,
@@ -106,7 +106,7 @@ def in_every_case(
 
     A map tries one approach and one base. Nodes that are reliable there are tried with all others.
     """
-    if not isinstance(device, StatedDevice) or "reliable" not in found:
+    if "reliable" not in found:
         return found
     reliable = found["reliable"].values.astype(bool)
     axes = {str(dim).removeprefix(START): found[dim].values for dim in found["reliable"].dims}
@@ -133,16 +133,10 @@ def corners_of(axes: Mapping[str, Sequence[float]]) -> list[dict[str, float]]:
     return [dict(zip(axes, each, strict=True)) for each in itertools.product(*ends)]
 
 
-def held_at_corners(
-    device: Parameters | StatedDevice, axes: Mapping[str, Sequence[float]]
-) -> dict[str, float]:
+def held_at_corners(device: StatedDevice, axes: Mapping[str, Sequence[float]]) -> dict[str, float]:
     """Return the quantities of a device that are the same at all corners of a grid."""
-    corners = []
-    for each in corners_of(axes):
-        one = device.changed(**each) if isinstance(device, StatedDevice) else device.replace(**each)
-        corners.append(one.values if isinstance(one, StatedDevice) else one.given())
-    alike = {n: v for n, v in corners[0].items() if all(c.get(n) == v for c in corners)}
-    return {name: value for name, value in alike.items() if value is not None}
+    corners = [device.changed(**each).values for each in corners_of(axes)]
+    return {n: v for n, v in corners[0].items() if all(c.get(n) == v for c in corners)}
 
 
 def quantity_attributes(name: str) -> dict[str, Any]:
@@ -154,16 +148,16 @@ def quantity_attributes(name: str) -> dict[str, Any]:
 
 
 def map_of(
-    device: Parameters | StatedDevice,
+    device: StatedDevice,
     settings: RunSettings,
-    axes: tuple[Axis, Axis],
+    axes: tuple[QuantityAxis, QuantityAxis],
     ensemble: Ensemble,
     cores: int = 1,
-) -> Sweep:
-    """Return a map of a device over two axes, x and y; in SI units for a device of a file.
+) -> DeviceMap:
+    """Return a map of a device over two axes, x and y, in SI units.
 
     The starts of the ensemble are tried at every node of a coarse map, at most as far apart as in
-    the ensemble. A map over the phase or the initial tilt tries none. A device that states no
+    the ensemble. A map over the phase tries none. A device that states no
     approach is mapped with the worst at its own values (``in_worst_approach``), on the base of a
     single run; ``in_every_case`` tries the others.
 
@@ -171,33 +165,25 @@ def map_of(
         ValueError: the axes have the same parameter, or break a parameter's rule.
     """
     x, y = axes
-    stated = None
-    if isinstance(device, StatedDevice):
-        varied = {x.parameter, y.parameter}
-        device = stated = (
-            device.lowered(device.approaches(varied)[0])
-            if SPEED in varied and not device.sudden
-            else in_worst_approach(device, settings.settings, ensemble, cores)
-        )
-        settings = settings.model_copy(
-            update={"start": stated.run_settings(settings.settings, stated.units).start}
-        )
-    parameters = device.parameters if isinstance(device, StatedDevice) else device
-    check_plane(stated.at if stated else lambda values: parameters.replace(**values), x, y)
+    varied = {x.parameter, y.parameter}
+    stated = (
+        device.lowered(device.approaches(varied)[0])
+        if SPEED in varied and not device.sudden
+        else in_worst_approach(device, settings.settings, ensemble, cores)
+    )
+    own = stated.run_settings(settings.settings, stated.units)
+    changes = {"start": own.start} | ({"scene": ALIGNMENT.name} if stated.is_chamfered else {})
+    check_plane(stated.at, x, y)
     for each in corners_of({axis.parameter: [*axis.values] for axis in axes}):
-        if stated is not None:
-            stated.warn(each)
+        stated.warn(each)
     every = max(min(ensemble.every, (min(x.count, y.count) - 1) // _SPACES), 1)
-    own = {x.parameter, y.parameter} & {"phase", "initial_tilt"}
-    if stated is not None and stated.is_chamfered:
-        settings = settings.model_copy(update={"scene": ALIGNMENT.name})
-    given: dict[str, Any] = {
-        "name": "map",
-        "kind": "map",
-        "parameters": parameters.given(),
-        "settings": settings,
-        "dimensions": [y, x],
-        "variables": _VARIABLES,
-        "ensemble": None if own else ensemble.model_copy(update={"every": every}),
-    }
-    return DeviceMap(**given, device=stated) if stated else Sweep(**given)
+    return DeviceMap(
+        name="map",
+        kind="map",
+        parameters=stated.parameters.given(),
+        settings=settings.model_copy(update=changes),
+        dimensions=[y, x],
+        variables=_VARIABLES,
+        ensemble=None if "phase" in varied else ensemble.model_copy(update={"every": every}),
+        device=stated,
+    )

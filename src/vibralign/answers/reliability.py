@@ -1,9 +1,8 @@
 """Reliability of devices, for all commands: does a device go in (or align) in every case?
 
 Phase and tilt at touch-down cannot be controlled, and a base that is not stated is not known: a
-*reliable* device goes in from every start, on every base that is tried (cases.py). A device is
-dimensionless, or as its file states it; its values are then in SI units, and change as ``--set``
-changes them.
+*reliable* device goes in from every start, on every base that is tried (cases.py). Values of a
+device are in SI units, and change as ``--set`` changes them.
 """
 
 import itertools
@@ -18,7 +17,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from model.events.outcomes import SUCCESSES, Outcome, Reason, Unvibrated
 from model.events.table import PLACES_OF_CONTACT
-from model.physics.parameters import PARAMETER_NAMES, Parameters, check_name
 from model.physics.tables import Value
 from model.physics.units import Units
 from model.runs.settings import Settings
@@ -31,8 +29,8 @@ from vibralign.device.amounts import read_amount
 from vibralign.device.batches import Values, by_settings, devices_of, rows_of
 from vibralign.device.limits import LIMITS, of_vibrator
 from vibralign.device.mouth import CHAMFERS, judged, judged_on_chamfers
-from vibralign.device.runs import AnyDevice, devices_in, settings_for
-from vibralign.device.stated import bound_of, check_quantity, unit_of
+from vibralign.device.runs import AnyDevice, settings_for, stated_devices
+from vibralign.device.stated import bound_of, unit_of
 
 Floats = NDArray[np.float64]
 STATISTICAL_TOLERANCE = 1e-6  # local error of a step; yields are the same as at 1e-10
@@ -106,25 +104,18 @@ def counted(settings: Settings) -> Settings:
     return replace(settings, tolerance=max(settings.tolerance, STATISTICAL_TOLERANCE))
 
 
-def as_stated(device: Parameters | StatedDevice) -> Values:
+def as_stated(device: StatedDevice) -> Values:
     """Return the values of one device without a change."""
-    own = device.quantities if isinstance(device, StatedDevice) else device.given()
-    return {"friction": np.array([own["friction"]])}
+    return {"friction": np.array([device.quantities["friction"]])}
 
 
 def from_every_start(
-    device: Parameters | StatedDevice,
-    values: Values,
-    starts: Starts,
-    settings: Settings,
-    cores: int = 1,
+    device: StatedDevice, values: Values, starts: Starts, settings: Settings, cores: int = 1
 ) -> tuple[dict[str, NDArray[Any]], list[Units]]:
-    """Return ``every_start`` of devices with these values, and the units of those in SI units."""
-    if isinstance(device, StatedDevice) and "vibrates" in starts[0]:
+    """Return ``every_start`` of devices with these values, and their units."""
+    if "vibrates" in starts[0]:
         return _from_every_approach(device, values, starts, settings, cores)
     devices, units = devices_of(device, values)
-    if isinstance(device, Parameters):
-        return every_start(devices, starts, settings, cores), units
     fixture = values.get("fixture_stiffness", device.fixture)
     of_cases = on_bases(devices, units, starts, device.shape, fixture) | at_tilts(devices, starts)
     results = dict[str, NDArray[Any]]()
@@ -236,7 +227,7 @@ def need_vibration(
 
 
 def are_reliable(
-    device: Parameters | StatedDevice,
+    device: StatedDevice,
     values: Values,
     starts: Starts,
     settings: Settings,
@@ -251,10 +242,9 @@ def are_reliable(
     failed before, and those that fail now are added; cases in which most failed are tried first.
     """
     reliable = np.ones(len(next(iter(values.values()))), np.bool_)
-    if isinstance(device, StatedDevice):
-        own = {**device.quantities, **values}
-        for name, each in of_vibrator(own["amplitude"], own["frequency"]).items():
-            reliable &= each <= limits.get(name, math.inf)
+    own = {**device.quantities, **values}
+    for name, each in of_vibrator(own["amplitude"], own["frequency"]).items():
+        reliable &= each <= limits.get(name, math.inf)
     failures = np.zeros(len(starts), np.int64) if failures is None else failures
     order = in_turn(len(starts))
     order = order[np.argsort(-failures[order], kind="stable")]
@@ -296,11 +286,7 @@ def in_turn(count: int) -> NDArray[np.int64]:
 
 
 def are_late(
-    device: Parameters | StatedDevice,
-    values: Values,
-    starts: Starts,
-    settings: Settings,
-    cores: int = 1,
+    device: StatedDevice, values: Values, starts: Starts, settings: Settings, cores: int = 1
 ) -> NDArray[np.bool_]:
     """Return a mask of the devices that fail, if at all, only by the horizon, shape (n,).
 
@@ -321,30 +307,24 @@ def reliable_at(
     """Return where a device goes in in every case, shape (n,), as ``assess`` says.
 
     Args:
-        device: as ``simulate`` takes it; or a list of n devices, without ``quantities``.
+        device: of a file, as ``simulate`` takes it; or a list of n, without ``quantities``.
         settings: settings of the runs; None for the defaults, in the insertion scene.
         cores: number of threads.
         **quantities: what varies together, each of shape (n,), such as
-            ``press_force=[8.0, 10.0, "12 N"]``; numbers in SI units for a device of a file.
+            ``press_force=[8.0, 10.0, "12 N"]``; numbers in SI units.
 
     Raises:
-        TypeError: no device.
+        TypeError: no device, or a dimensionless one.
         ValueError: an unknown quantity, shapes that differ, or a value outside its rule.
     """
-    devices = devices_in(device)
+    devices = stated_devices(device)
     if len(devices) != 1:
         if quantities:
             raise ValueError("nothing may vary over a list of devices: give one device")
         each = [reliable_at(one, settings, cores=cores) for one in devices]
         return np.concatenate([np.empty(0, np.bool_), *each])
     (device,) = devices
-    stated = isinstance(device, StatedDevice)
-    for name in quantities:
-        if stated:
-            check_quantity(name)
-        else:
-            check_name(name, PARAMETER_NAMES, "quantity of a device")
-    units = {name: unit_of(name) if stated else "1" for name in quantities}
+    units = {name: unit_of(name) for name in quantities}
     values = {
         name: np.array([read_amount(name, v, units[name]).value for v in np.ravel(given).tolist()])
         for name, given in quantities.items()

@@ -43,8 +43,7 @@ def verdict_words(result: "Assessment") -> str:
         return "depends on the base: measure it"
     words = f"{'' if result.reliable else 'not '}reliable at the stated values"
     words = f"{words}, whatever the approach" if result.approaches else words
-    chamfered = isinstance(result.device, StatedDevice) and result.device.is_chamfered
-    return f"{words}, up to where the chamfers meet" if chamfered else words
+    return f"{words}, up to where the chamfers meet" if result.device.is_chamfered else words
 
 
 def sheet_rows(
@@ -57,13 +56,12 @@ def sheet_rows(
         verdict: words of the verdict, by default those at the stated values.
         more: further rows, such as those on the yield.
     """
-    device, settings = result.device, result.settings or Settings()
-    stated = device if isinstance(device, StatedDevice) else None
-    units = None if stated is None else stated.units
+    stated, settings = result.device, result.settings or Settings()
+    units = stated.units
     rows = [("device", device_words(stated)), ("verdict", verdict or verdict_words(result))]
     rows.append((SUCCESS_TEXT[settings.success], f"{_tried(result)}{_followed(stated, settings)}"))
     if result.failing_start is not None:
-        rows += [("for example", _example(result, stated)), ("cause", result.cause)]
+        rows += [("for example", _example(result)), ("cause", result.cause)]
         rows += [("first to change", change_words(result))] if result.change else []
     if result.aligned:
         rows.append(("time", _times(result, units, settings)))
@@ -76,16 +74,13 @@ def sheet_rows(
         found += f"; all this with the approach that is slowest, {result.worst}"
     rows += [(label, found)] if result.leeways or result.nearest else []
     rows += more
-    if stated is not None:
-        rows.append(("not stated", _not_stated(result, stated)))
+    rows.append(("not stated", _not_stated(result, stated)))
     words = f"computed to a local error of {settings.tolerance:g} a step; the error of the model "
     return [*rows, ("numbers", f"{words}itself is not included")]
 
 
-def device_words(stated: StatedDevice | None) -> str:
+def device_words(stated: StatedDevice) -> str:
     """Return the file of a device and what the part is."""
-    if stated is None:
-        return "the paper's, dimensionless (no --device)"
     return f"{source_words(stated)}: {part_words(stated)}"
 
 
@@ -124,10 +119,8 @@ def change_words(result: "Assessment") -> str:
 
 
 def value_words(result: "Assessment", name: str, value: float, digits: int = 4) -> str:
-    """Return a value of the device in the unit of its file, or dimensionless."""
-    if isinstance(result.device, StatedDevice):
-        return written_words(name, value, result.device, digits)
-    return f"{value:.{digits}g}"
+    """Return a value of the device in the unit of its file."""
+    return written_words(name, value, result.device, digits)
 
 
 def texts(result: "Assessment", of: Leeway | Nearest) -> dict[str, str]:
@@ -146,11 +139,10 @@ def _tried(result: "Assessment") -> str:
     return f"from {share} {result.starts:,} touch-downs tried{words and f': {words}'}"
 
 
-def _followed(stated: StatedDevice | None, settings: Settings) -> str:
-    """Return how far a part of a file is followed."""
-    if stated is None or settings.success is not Outcome.INSERTED:
-        chamfered = stated is not None and stated.is_chamfered
-        return f"; {FOLLOWED}" if chamfered else ""
+def _followed(stated: StatedDevice, settings: Settings) -> str:
+    """Return how far a part is followed."""
+    if settings.success is not Outcome.INSERTED:
+        return f"; {FOLLOWED}" if stated.is_chamfered else ""
     depth = in_words(depth_of(stated.parameters, settings), LENGTH, stated.units, DIGITS)
     return f"; followed to a depth of {depth}"
 
@@ -160,18 +152,16 @@ def _counted(what: str, number: int) -> str:
     return f"{number} {one}{'es' if one.endswith('ch') else 's'}{rest and f' {rest}'}"
 
 
-def _example(result: "Assessment", stated: StatedDevice | None) -> str:
+def _example(result: "Assessment") -> str:
     assert result.failing_start is not None  # noqa: S101 - the caller's
     words = ", ".join(
-        f"{name} = {value:.4g}"
-        if stated is None
-        else f"{name} = {si_words(value, quantity_of(name), DIGITS)}"
+        f"{name} = {si_words(value, quantity_of(name), DIGITS)}"
         for name, value in result.failing_start.items()
     )
     return words if result.failing_approach is None else f"{result.failing_approach}: {words}"
 
 
-def _times(result: "Assessment", units: Units | None, settings: Settings) -> str:
+def _times(result: "Assessment", units: Units, settings: Settings) -> str:
     words = f"{range_words(*result.times, TIME, units, DIGITS)} until aligned"
     if result.inserted[0] == result.inserted[0]:  # no NaN
         words += f", {range_words(*result.inserted, TIME, units, DIGITS)} until inserted"
@@ -181,7 +171,7 @@ def _times(result: "Assessment", units: Units | None, settings: Settings) -> str
     return f"{words}; {starts.get(settings.start or '', 'from the touch')}"
 
 
-def _forces(result: "Assessment", units: Units | None, settings: Settings) -> str:
+def _forces(result: "Assessment", units: Units, settings: Settings) -> str:
     def words(force: float) -> str:
         return in_words(force, FORCE, units, DIGITS)
 

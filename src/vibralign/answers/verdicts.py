@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model.events.outcomes import Reason
-from model.physics.parameters import Batch, Parameters
+from model.physics.parameters import Batch
 from model.sweeps.starts import Starts
 from vibralign.answers.cases import OF_BASE, on_bases
 from vibralign.device import StatedDevice
@@ -82,9 +82,9 @@ def verdicts_on(
     return tuple(verdicts)
 
 
-def bases_in(device: Parameters | StatedDevice, cases: Starts) -> list[Base | None]:
+def bases_in(device: StatedDevice, cases: Starts) -> list[Base | None]:
     """Return the base of each case; None of cases without."""
-    if isinstance(device, Parameters) or OF_BASE[0] not in cases[0]:
+    if OF_BASE[0] not in cases[0]:
         return [None] * len(cases)
     one = Batch.stack([device.parameters])
     found = on_bases(one, [device.units], cases, device.shape, device.fixture)

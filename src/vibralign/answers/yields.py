@@ -31,7 +31,7 @@ from vibralign.answers.reliability import (
 )
 from vibralign.device import StatedDevice, Tolerance
 from vibralign.device.limits import of_vibrator
-from vibralign.device.runs import AnyDevice, device_of
+from vibralign.device.runs import AnyDevice, stated_of
 
 CONFIDENCE = 0.95
 QUANTILES = (0.05, 0.5, 0.95)
@@ -217,12 +217,10 @@ def yield_of(
         tell: called after each part with the number of runs done, and the most that are needed.
 
     Raises:
+        TypeError: a dimensionless device.
         ValueError: a device without tolerances, or a number that is no power of two.
     """
-    device = device_of(stated)
-    if not isinstance(device, StatedDevice):
-        raise TypeError("a yield needs a device of a file, with tolerances, got Parameters")
-    stated = device
+    stated = stated_of(stated)
     settings = settings or Settings(scene=INSERTION)
     if starts is None:
         stated = in_worst_approach(stated, settings, Ensemble(), cores)

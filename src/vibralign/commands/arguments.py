@@ -8,7 +8,7 @@ import math
 import shlex
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any, get_args
 
@@ -17,8 +17,7 @@ from model.events.insertion import INSERTION
 from model.physics.approach import Start
 from model.physics.parameters import FIELDS, PARAMETER_NAMES, Parameters, Shape, check_name
 from model.physics.quantities import LENGTH, TIME
-from model.physics.units import Units
-from model.physics.variants import VARIANT_NAMES, Variant, Variants
+from model.physics.variants import VARIANT_NAMES, Variants
 from model.runs.settings import SCENES, Settings
 from vibralign.commands.tables import in_columns
 from vibralign.device import StatedDevice, load_device
@@ -30,8 +29,10 @@ from vibralign.device.spelling import plain
 from vibralign.device.stated import FOLLOWED, QUANTITIES, quantity_of, unit_of
 from vibralign.device.unknown import refusal
 
+_ALL = "all"  # of the equations
 
-def add_model_options(parser: Any, scene: str = "alignment") -> None:
+
+def add_model_options(parser: Any, scene: str = "alignment", *, needs_device: bool = True) -> None:
     """Add the options of a device and its run, and end the help with the table of parameters.
 
     ``scene`` is the default of --scene.
@@ -40,13 +41,12 @@ def add_model_options(parser: Any, scene: str = "alignment") -> None:
     add = parser.add_argument
     words = "file of the device, with numbers in SI units or with units as in docs/peg.yaml; --set "
     words += "and --horizon are then read in the same way (12 N, 0.8 mm); answers are in SI units"
-    add("--device", type=Path, metavar="FILE", help=words)
+    add("--device", type=Path, metavar="FILE", required=needs_device, help=words)
     words = "set a parameter of the table below; may be repeated"
     add("--set", action="append", default=[], metavar="NAME=VALUE", dest="changes", help=words)
-    words = "variant of all disputed equations of the paper (default: consistent)"
-    add("--readings", choices=get_args(Variant), help=words)
-    names = ", ".join(VARIANT_NAMES)
-    words = f"variant of one equation, consistent or printed; may be repeated: {names}"
+    names = ", ".join((_ALL, *VARIANT_NAMES))
+    words = "variant of a disputed equation of the paper, consistent (the default) or printed; may "
+    words += f"be repeated: {names}"
     metavar = "NAME=READING"
     add("--reading", action="append", default=[], metavar=metavar, dest="switches", help=words)
     words = "start without --device: press and vibration set in together (simultaneous, the "
@@ -117,54 +117,43 @@ def whole_number(name: str, text: str, least: int, most: float = math.inf) -> in
     return int(value)
 
 
-@dataclass(frozen=True)
-class Inputs:
-    """Device and settings that the options of ``add_model_options`` state, checked."""
-
-    stated: StatedDevice | None  # the device as its file states it, None without --device
-    units: Units | None  # likewise
-    parameters: Parameters  # of the device, dimensionless
-    settings: Settings  # of its runs
-
-    @property
-    def values(self) -> dict[str, float | None]:
-        """Quantities of the device in SI units, or its parameters."""
-        return self.parameters.given() if self.stated is None else {**self.stated.values}
-
-
 def read_inputs(
+    arguments: argparse.Namespace,
+) -> tuple[StatedDevice | None, Parameters, Settings]:
+    """Return device, parameters and settings of one run; without --device, the paper's."""
+    if arguments.device is None:
+        return None, _changed(baseline(), arguments.changes), _settings(arguments, stated=False)
+    stated, settings = read_device(arguments)
+    return stated, stated.parameters, settings
+
+
+def read_device(
     arguments: argparse.Namespace, *, known_in_part: bool = False, needless: bool = False
-) -> Inputs:
+) -> tuple[StatedDevice, Settings]:
     """Return the device and the settings of a command, and warn of doubtful values.
 
-    Without --device, --set changes the device of the paper's study. A device with unknown
-    quantities is refused unless it may be ``known_in_part``, one that needs no alignment as stated
-    unless it may be ``needless``.
+    A device with unknown quantities is refused unless it may be ``known_in_part``, one that needs
+    no alignment as stated unless it may be ``needless``.
     """
     stated = _stated_device(arguments)
-    if stated is not None and stated.needless and not needless:
+    if stated.needless and not needless:
         raise ValueError(
             f"{stated.source}: {stated.needless}. There is nothing to run: `vibralign assess` "
             "judges the device with its tolerances and limits, `vibralign map --x misalignment "
             "FROM TO` also where the misalignment is larger"
         )
-    if stated is not None and stated.unknown and not known_in_part:
+    if stated.unknown and not known_in_part:
         one = next(iter(stated.unknown))
         instead = f"give each with --set {one}=VALUE; assess, design and calibrate take ranges"
         raise refusal(stated.source, stated.unknown, instead)
-    settings = _settings(arguments, stated)
-    if stated is None:
-        return Inputs(None, None, _changed(baseline(), arguments.changes), settings)
+    settings = _settings(arguments, stated=True)
     if stated.is_chamfered and arguments.scene == INSERTION.name:
         words = f"{arguments.device} states a chamfer: {FOLLOWED}"
         raise ValueError(f"--scene {arguments.scene}: {words}")
-    settings = stated.run_settings(settings, stated.units)
-    return Inputs(stated, stated.units, stated.parameters, settings)
+    return stated, stated.run_settings(settings, stated.units)
 
 
-def _stated_device(arguments: argparse.Namespace) -> StatedDevice | None:
-    if arguments.device is None:
-        return None
+def _stated_device(arguments: argparse.Namespace) -> StatedDevice:
     if arguments.start is not None:
         read_start({"start": arguments.start})
     stated = load_device(arguments.device, pairs(arguments.changes, "--set"), needless=True)
@@ -190,25 +179,23 @@ def _changed(device: Parameters, given: Sequence[str]) -> Parameters:
     return device.replace(**changes)
 
 
-def _settings(arguments: argparse.Namespace, stated: StatedDevice | None) -> Settings:
+def _settings(arguments: argparse.Namespace, *, stated: bool) -> Settings:
     """Return the default settings, changed by the options.
 
     Horizon and depth of a ``stated`` device are in SI units, and not changed here.
     """
     switches: dict[str, Any] = asdict(Variants())
-    if arguments.readings:
-        switches = dict.fromkeys(VARIANT_NAMES, arguments.readings)
     for name, value in pairs(arguments.switches, "--reading").items():
-        check_name(name, VARIANT_NAMES, "reading")
-        switches[name] = value
+        check_name(name, (*VARIANT_NAMES, _ALL), "reading")
+        switches |= dict.fromkeys(VARIANT_NAMES if name == _ALL else [name], value)
     horizon, tolerance, depth = Settings.horizon, Settings.tolerance, None
-    if arguments.horizon is not None and stated is None:
+    if arguments.horizon is not None and not stated:
         horizon = number("horizon", arguments.horizon)
     if arguments.insertion_depth is not None and arguments.scene != "insertion":
         raise ValueError(
             f"insertion_depth = {arguments.insertion_depth!r}: needs --scene insertion"
         )
-    if arguments.insertion_depth is not None and stated is None:
+    if arguments.insertion_depth is not None and not stated:
         depth = number("insertion_depth", arguments.insertion_depth)
     if arguments.tolerance is not None:
         tolerance = number("tolerance", arguments.tolerance)

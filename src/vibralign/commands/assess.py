@@ -15,16 +15,14 @@ from vibralign.answers.assumptions import assumptions, lines_of
 from vibralign.answers.forces import tip_record
 from vibralign.answers.lever import lever_record
 from vibralign.commands.arguments import (
-    Inputs,
     add_model_options,
     announce_compilation,
     number,
-    read_inputs,
+    read_device,
 )
-from vibralign.commands.files import check_file, check_picture, writing
+from vibralign.commands.files import check_file, writing
 from vibralign.commands.known import assess_in_part
-from vibralign.commands.limits import exceeded_words, limit_lines, limit_rows
-from vibralign.commands.next_step import map_words
+from vibralign.commands.limits import exceeded_words, limit_rows
 from vibralign.commands.program import add_command, add_json
 from vibralign.commands.progress import ProgressLine
 from vibralign.commands.simulate import unvibrated_record
@@ -49,6 +47,9 @@ if TYPE_CHECKING:
     from vibralign.answers.verdicts import Verdict
     from vibralign.answers.yields import FailingDevice, Yield
     from vibralign.device import StatedDevice
+
+
+_NO_CHANGE = "no change that was tried helps: map it, such as over press_force and amplitude"
 
 
 def add(commands: Any) -> None:
@@ -77,9 +78,6 @@ def add(commands: Any) -> None:
     add("--devices", metavar="N", default="4096", help=words)
     words = "print below the sheet each approach, base and tilt, all leeways, and what is assumed"
     add("--details", action="store_true", help=words)
-    words = "draw a map into FILE: what goes in, over the two quantities that decide the verdict; "
-    words += "or the verdict, over the unknown quantities that decide most"
-    add("--plot", type=Path, metavar="FILE", help=words)
     words = "write the device sheet FILE (.html): numbers, verdict, map, run; prints on A4"
     add("--sheet", type=Path, metavar="FILE", help=words)
     add_model_options(parser, scene="insertion")
@@ -87,13 +85,12 @@ def add(commands: Any) -> None:
 
 
 def _assess(arguments: argparse.Namespace) -> int:
-    given = read_inputs(arguments, known_in_part=True, needless=True)
-    stated, device, settings = given.stated, given.parameters, given.settings
-    required, devices = _required(arguments, stated)
-    needless = "" if stated is None or stated.unknown else stated.needless
-    _check_paths(arguments, needless)
-    if stated is not None and stated.unknown:
-        return assess_in_part(arguments, given, required)
+    own, settings = read_device(arguments, known_in_part=True, needless=True)
+    required, devices = _required(arguments, own)
+    needless = "" if own.unknown else own.needless
+    _check_sheet(arguments, needless)
+    if own.unknown:
+        return assess_in_part(arguments, own, settings, required)
     announce_compilation()
     from model.sweeps.settings import Ensemble  # noqa: PLC0415
     from vibralign.answers.approaches import in_worst_approach  # noqa: PLC0415
@@ -102,16 +99,16 @@ def _assess(arguments: argparse.Namespace) -> int:
     from vibralign.answers.limits import limit_results  # noqa: PLC0415
     from vibralign.answers.sheet import verdict_words  # noqa: PLC0415
 
-    ensemble, cores = Ensemble(), os.cpu_count() or 1
+    ensemble, cores, stated = Ensemble(), os.cpu_count() or 1, own
     result, drawn, nearest = None, None, None
     with ProgressLine() as line:
         if not needless:
             line.begin("starts, bases and leeways")
-            result = assess(stated or device, settings, ensemble, cores)
-        if stated is not None and stated.tolerances:
+            result = assess(own, settings, ensemble, cores)
+        if own.tolerances:
             line.begin("devices within the tolerances")
-            worst = result and stated.lowered(result.worst)
-            stated = worst or in_worst_approach(stated, settings, ensemble, cores)
+            worst = result and own.lowered(result.worst)
+            stated = worst or in_worst_approach(own, settings, ensemble, cores)
             cases = cases_of(stated, ensemble, varied=stated.tolerances)
             said = "of devices within the tolerances (fewer with a smaller --devices); the verdict "
             said += f"until then: {verdict_words(result) if result else needless}"
@@ -120,24 +117,22 @@ def _assess(arguments: argparse.Namespace) -> int:
                 devices=devices, required=required,
                 tell=lambda runs, most: line.forecast(most - runs, said),
             )  # fmt: skip
-    limits = limit_results(stated, result, drawn, settings) if stated is not None else ()
+    limits = limit_results(stated, result, drawn, settings)
     kept = all(each.exceeding is None for each in limits)
     met = drawn is None or required is None or (drawn.meets(required) and kept)
-    assumed = assumptions(device, settings, given.stated, ensemble)  # not the worst approach's
-    if stated is not None and result is not None and not stated.base_is_stated:
+    assumed = assumptions(own.parameters, settings, own, ensemble)  # not the worst approach's
+    if result is not None and not own.base_is_stated:
         assumed["base"] = (
             f"worst of {len(result.bases)} that are tried, this one first: " + (assumed["base"])
         )
     verdict = headline(result, drawn, limits, needless)
-    soft = (
-        [] if stated is None or needless else [each for each in stated.doubts if DISTRUSTED in each]
-    )
+    soft = [] if needless else [each for each in own.doubts if DISTRUSTED in each]
     verdict += f"; {DISTRUSTED}: the base is soft" if soft else ""
     if arguments.json:
         print_json(
-            (_record(result, given, settings) if result else {"needs_alignment": False})
+            (_record(result, settings) if result else {"needs_alignment": False})
             | {"verdict": verdict}
-            | {"yield": drawn and stated and yield_record(drawn, nearest, stated, settings)}
+            | {"yield": drawn and yield_record(drawn, nearest, stated, settings)}
             | {"limits": [asdict(each) | {"kept": each.exceeding is None} for each in limits]}
             | {"assumptions": assumed}
         )
@@ -145,59 +140,48 @@ def _assess(arguments: argparse.Namespace) -> int:
     from vibralign.answers.sheet import device_words, sheet_rows  # noqa: PLC0415  (as above)
     from vibralign.commands.details import leeway_lines, verdict_lines  # noqa: PLC0415
 
-    more, rest = limit_rows(limits), [*limit_lines(limits)]
+    more, rest = limit_rows(limits), list[str]()
     more += [("to trust it", each.partition(f"{DISTRUSTED}: ")[2]) for each in soft]
-    if stated and result and result.failing_start is not None and not result.change:
-        more = [("next", map_words(stated)), *more]
-    if drawn is not None and stated is not None:
+    if result and result.failing_start is not None and not result.change:
+        more = [("next", _NO_CHANGE), *more]
+    if drawn is not None:
         of_yield = yield_rows(drawn, nearest, stated, required_words(required, drawn, kept=kept))
-        more, rest = of_yield + more, yield_lines(drawn, nearest, stated, settings) + rest
+        more, rest = of_yield + more, yield_lines(drawn, nearest, stated, settings)
     rows, details = [("device", device_words(stated)), ("verdict", verdict), *more], []
     if result is not None:
         rows, details = sheet_rows(result, verdict, more), leeway_lines(result)
-        details = [*verdict_lines(result, given.units, device, settings), *details]
+        details = [*verdict_lines(result, settings), *details]
     groups = {
         "Sheet": [_line(*row) for row in rows],
         "Details": details,
-        "Yield and limits": rest,
+        "Yield": rest,
         "Assumptions": lines_of(assumed),
     }
     shown = groups.values() if arguments.details else [groups["Sheet"]]
     print("\n".join(line for lines in shown for line in lines))
     if not arguments.details:
         words = "--details (every approach, base and tilt, all leeways, what is assumed), "
-        words += "--plot FILE, --sheet FILE, --json"
+        words += "--sheet FILE, --json"
         print(_line("more", words if result else "--details (forces, what is assumed), --json"))
-    if result is not None and (arguments.sheet is not None or arguments.plot is not None):
+    if result is not None and arguments.sheet is not None:
         from vibralign.commands import sheet  # noqa: PLC0415  (as above)
 
         good = result.reliable and kept and (drawn is None or drawn.share == 1.0)
-        assert given.stated is not None  # noqa: S101  (``_check_paths``)
         with line, writing():
             line.begin("map of what goes in")
             words = "of the map (fewer if approach, base and gripper_tilt are stated)"
-            line.forecast(sheet.runs_of_map(given.stated), words)
-            if arguments.plot is not None:
-                sheet.write_plot(arguments.plot, given.stated, result, settings)
-            if arguments.sheet is not None:
-                titled = {title: lines for title, lines in groups.items() if lines}
-                path, head = arguments.sheet, (verdict, good)
-                sheet.write_sheet(path, given.stated, head, titled, result, settings)
+            line.forecast(sheet.runs_of_map(own), words)
+            titled = {title: lines for title, lines in groups.items() if lines}
+            sheet.write_sheet(arguments.sheet, own, (verdict, good), titled, result, settings)
     return int(not met)
 
 
-def _check_paths(arguments: argparse.Namespace, needless: str) -> None:
+def _check_sheet(arguments: argparse.Namespace, needless: str) -> None:
     if arguments.sheet is not None:
         check_file(arguments.sheet, "--sheet", ["html"])
-        check_picture(arguments.sheet.with_suffix(".png"), "--sheet")
-    if arguments.plot is not None:
-        check_picture(arguments.plot)
-    for option in ("sheet", "plot"):
-        if getattr(arguments, option) is not None and arguments.device is None:
-            raise ValueError(f"--{option} needs --device FILE")
-        if getattr(arguments, option) is not None and needless:
+        if needless:
             raise ValueError(
-                f"--{option}: there is no run to draw, as {needless}; `vibralign map --x "
+                f"--sheet: there is no run to draw, as {needless}; `vibralign map --x "
                 "misalignment FROM TO` draws beyond"
             )
 
@@ -221,9 +205,7 @@ def headline(
     return f"{words}; some of the devices drawn {drawn_exceed}" if drawn_exceed else words
 
 
-def _required(
-    arguments: argparse.Namespace, stated: "StatedDevice | None"
-) -> tuple[float | None, int]:
+def _required(arguments: argparse.Namespace, stated: "StatedDevice") -> tuple[float | None, int]:
     """Return the yield of --require, or None, and the number of --devices."""
     from vibralign.answers.yields import check_devices  # noqa: PLC0415  (only this command)
 
@@ -233,7 +215,7 @@ def _required(
     required = number("require", arguments.require)
     if not 0.0 < required < 1.0:
         raise ValueError(f"require = {arguments.require}: must be between 0 and 1")
-    if stated is None or not (stated.tolerances or stated.unknown):
+    if not (stated.tolerances or stated.unknown):
         raise ValueError("--require needs a device with tolerances, such as friction: 0.15 ± 0.05")
     return required, devices
 
@@ -256,11 +238,11 @@ def _drawn(
     return drawn, yields.nearest_failing(stated, results, cases)
 
 
-def _record(result: "Assessment", given: Inputs, settings: "Settings") -> dict[str, Any]:
-    """Return the assessment for --json, in SI units for a device of a file."""
+def _record(result: "Assessment", settings: "Settings") -> dict[str, Any]:
+    """Return the assessment for --json, in SI units."""
     from vibralign.answers.sheet import texts, value_words  # noqa: PLC0415  (as in _assess)
 
-    units, device = given.units, given.parameters
+    units, device = result.device.units, result.device.parameters
     shown = {n: v for n, v in vars_of(result).items() if n not in ("device", "settings")}
     shown["leeways"], shown["nearest"] = (
         [asdict(each) | {"as_stated": texts(result, each)} for each in shown[name]]
@@ -270,7 +252,7 @@ def _record(result: "Assessment", given: Inputs, settings: "Settings") -> dict[s
     named = {n: value_words(result, n, v) for n, v in result.change.items()}
     approaches = {n: getattr(result, n) for n in ("failing_approach", "worst")}
     return {
-        "units": "1" if units is None else "SI",
+        "units": "SI",
         "needs_alignment": True,
         **shown,
         **_times(result, units),
@@ -291,13 +273,13 @@ def _record(result: "Assessment", given: Inputs, settings: "Settings") -> dict[s
     }  # fmt: skip
 
 
-def _times(found: "Assessment | Verdict", units: Units | None) -> dict[str, float | None]:
+def _times(found: "Assessment | Verdict", units: Units) -> dict[str, float | None]:
     one = si.scale(units, TIME)
     best, worst = (one * each if found.aligned else None for each in found.times)
     return {"tau_best": best, "tau_worst": worst}
 
 
-def _of_verdict(found: "Verdict", units: Units | None) -> dict[str, Any]:
+def _of_verdict(found: "Verdict", units: Units) -> dict[str, Any]:
     force, of = si.scale(units, FORCE), found.of
     what: dict[str, Any] = {"tilt": of} if isinstance(of, float) else {}
     if isinstance(of, Approach):

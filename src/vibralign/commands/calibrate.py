@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from vibralign.answers.si import named_words, rounded, written_words
-from vibralign.commands.arguments import add_model_options, announce_compilation, read_inputs
+from vibralign.commands.arguments import add_model_options, announce_compilation, read_device
 from vibralign.commands.files import check_file, check_picture, writing
 from vibralign.commands.program import add_command, add_json
 from vibralign.commands.progress import ProgressLine
@@ -50,8 +50,6 @@ def add(commands: Any) -> None:
 
 
 def _calibrate(arguments: argparse.Namespace) -> int:
-    if arguments.device is None:
-        raise ValueError("calibrate needs --device FILE, with ranges below unknown")
     if arguments.plot is not None:
         check_picture(arguments.plot)
     if arguments.out is not None:
@@ -59,9 +57,7 @@ def _calibrate(arguments: argparse.Namespace) -> int:
         check_file(arguments.out.with_suffix(".nc"), "--out", ["nc"])
         if arguments.out.exists() and arguments.out.samefile(arguments.device):
             raise ValueError(f"--out {arguments.out}: is the device file: choose another name")
-    given = read_inputs(arguments, known_in_part=True)
-    device = given.stated
-    assert device is not None  # noqa: S101  (--device is given)
+    device, settings = read_device(arguments, known_in_part=True)
     from vibralign.known.calibrate import calibrate  # noqa: PLC0415  (scipy)
 
     if arguments.out is not None:
@@ -75,14 +71,14 @@ def _calibrate(arguments: argparse.Namespace) -> int:
         def tell(words: str) -> None:
             line.begin(f"trials: {words}")
 
-        found = calibrate(device, arguments.trials, given.settings, cores, tell=tell)
+        found = calibrate(device, arguments.trials, settings, cores, tell=tell)
     lines = [] if arguments.json else report(found)
     print("\n".join(lines), end="\n" if lines else "", flush=True)
     after: Next | None = None
     if found.concludes and not arguments.no_next:
         try:
             with ProgressLine() as line:
-                after = found.next(given.settings, cores, line.begin)
+                after = found.next(settings, cores, line.begin)
         except KeyboardInterrupt:
             print("vibralign: interrupted: no next trial; all else is complete", file=sys.stderr)
     if arguments.json:

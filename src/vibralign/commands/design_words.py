@@ -2,19 +2,20 @@
 
 import math
 import shlex
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from vibralign.answers.forces import forces_words
 from vibralign.answers.si import named_words, si_words, written_words
 from vibralign.commands.arguments import set_options
 from vibralign.commands.assess import headline
-from vibralign.commands.next_step import map_words
 from vibralign.device.limits import LIMITS, OF_VIBRATOR, VIBRATION
 
 if TYPE_CHECKING:
     from vibralign.answers.assess import Assessment
     from vibralign.answers.design import Design, Known, Limiting
     from vibralign.answers.design_trials import Trials
+    from vibralign.device import StatedDevice
 
 _line = "{:<23}{}".format
 
@@ -43,17 +44,22 @@ def so_far(trials: "Trials", known: "Known") -> str:
 
     if not known:
         return "no setting was tried yet"
-    stated, source = trials.stated, shlex.quote(str(trials.stated.source))
+    stated = trials.stated
     tried = tried_of([*known], [*known.values()], stated.free)
     best = int(tried.score(stated.limits).argmin())
     setting = {name: float(values[best]) for name, values in tried.settings.items()}
     holds = "keeps" if tried.keeps(stated.limits)[best] else "does not keep"
-    changes = {**stated.changes, **{n: written_words(n, v, stated) for n, v in setting.items()}}
-    sets = " ".join(set_options(changes).values())
     return (
         f"best of {len(known):,} settings so far, by quick trials: {named_words(setting, stated)}; "
-        f"by them it {holds} what is asked. Check it: vibralign assess --device {source} {sets}"
+        f"by them it {holds} what is asked. Check it: {_assess_command(stated, setting)}"
     )
+
+
+def _assess_command(stated: "StatedDevice", setting: Mapping[str, float]) -> str:
+    """Return the command that assesses a device with a setting (SI units)."""
+    changes = {**stated.changes, **{n: written_words(n, v, stated) for n, v in setting.items()}}
+    sets = " ".join(set_options(changes).values())
+    return f"vibralign assess --device {shlex.quote(str(stated.source))} {sets}"
 
 
 def report(answer: Answer) -> list[str]:
@@ -70,11 +76,9 @@ def report(answer: Answer) -> list[str]:
     lines += [_line("doubtful", each) for each in doubts if each not in stated.doubts]
     if answer.assessed.cause:
         lines.append(_line("cause", answer.assessed.cause))
-    if answer.assessed.change:
-        words = f"{named_words(answer.assessed.change, stated)}: so it goes in as stated (tried, "
-        lines.append(_line("first to change", f"{words}without tolerances)"))
-    elif not tried.share[best] > 0.0:
-        lines.append(_line("next", map_words(stated.changed(**design.setting))))
+    if not tried.share[best] > 0.0:
+        words = f"see what to change: {_assess_command(stated, design.setting)}"
+        lines.append(_line("next", words))
     words = f"with deviations of {margin:.3g} times the tolerances"
     words = words if margin < 3.0 else "none within three times the tolerances"
     lines += [_line("nearest failure", words)] if margin > 0.0 else []

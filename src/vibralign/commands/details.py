@@ -3,11 +3,9 @@
 from typing import TYPE_CHECKING
 
 from model.events.outcomes import SUCCESS_TEXT
-from model.physics.parameters import Parameters
 from model.physics.quantities import ANGLE, FORCE, STIFFNESS, TIME
 from model.physics.units import Units
 from vibralign.answers import si
-from vibralign.answers.forces import forces_words
 from vibralign.answers.lever import lever_words, wall_words
 from vibralign.answers.sheet import value_words
 from vibralign.commands.tables import in_columns
@@ -20,18 +18,13 @@ if TYPE_CHECKING:
     from vibralign.answers.verdicts import Verdict
 
 
-def verdict_lines(
-    result: "Assessment", units: Units | None, device: Parameters, settings: "Settings"
-) -> list[str]:
+def verdict_lines(result: "Assessment", settings: "Settings") -> list[str]:
     """Return lines on lift-offs, tilt, lever, and every base, approach and tilt that is tried."""
+    units, device = result.device.units, result.device.parameters
     verb, (fewest, most) = SUCCESS_TEXT[settings.success], result.separations
     hops = f"{fewest} to {most}" if fewest != most else str(fewest)
-    lines = [_line("lift-offs", hops)]
-    if result.forces:
-        lines.append(_line("forces at most", forces_words(result.forces, units, settings)))
-    lines.append(
-        _line("largest tilt", f"{si.in_words(result.tilt_max, ANGLE, units)}, until aligned")
-    )
+    tilt = f"{si.in_words(result.tilt_max, ANGLE, units)}, until aligned"
+    lines = [_line("lift-offs", hops), _line("largest tilt", tilt)]
     lines += lever_words(device, settings, units)
     lines += wall_words(device, settings, result.tilt_max, units)
     for head, verdicts in (
@@ -46,7 +39,7 @@ def verdict_lines(
     return [*lines, si.natural_words(device, units)]
 
 
-def _of(at: "Verdict", units: Units | None) -> tuple[str, ...]:
+def _of(at: "Verdict", units: Units) -> tuple[str, ...]:
     if isinstance(at.of, float):
         return (si.si_words(at.of, ANGLE),)
     if not hasattr(at.of, "restitution"):
@@ -58,7 +51,7 @@ def _of(at: "Verdict", units: Units | None) -> tuple[str, ...]:
     return stiffness, f"({at.of.contact_stiffness:,.0f} × axial)", impact
 
 
-def _row(at: "Verdict", units: Units | None) -> tuple[str, ...]:
+def _row(at: "Verdict", units: Units) -> tuple[str, ...]:
     times = si.range_words(*at.times, TIME, units) if at.aligned else "-"
     if at.by_press:
         times += f" ({at.by_press} by the press alone)"

@@ -9,14 +9,14 @@ from model.physics.quantities import TIME
 from vibralign.answers.assumptions import assumptions, lines_of
 from vibralign.answers.reliability import counted
 from vibralign.answers.si import named_words, si_list, si_words, written_words
-from vibralign.commands.arguments import Inputs, announce_compilation, set_options
-from vibralign.commands.files import check_picture, writing
+from vibralign.commands.arguments import announce_compilation, set_options
 from vibralign.commands.progress import ProgressLine
 from vibralign.commands.tables import in_columns, print_json
 from vibralign.commands.tables import report_line as _line
 from vibralign.device.plausibility import DISTRUSTED
 
 if TYPE_CHECKING:
+    from model.runs.settings import Settings
     from vibralign.device import StatedDevice
     from vibralign.known.doubt import Unknown
     from vibralign.known.possible import Possible
@@ -26,55 +26,49 @@ _NOTHING = "no trial is worth making"
 _FEW = 8  # sets of a verdict, below which nothing is said of what decides
 
 
-def refuse_options(arguments: argparse.Namespace, command: str, *names: str) -> None:
-    """Refuse options that make no sense while quantities are unknown."""
-    for name in names:
-        if getattr(arguments, name, None):
-            option = f"--{name.replace('_', '-')}"
-            raise ValueError(
-                f"{option}: {command} does not take it while quantities are unknown: give each "
-                f"of these with --set, or leave out {option}"
-            )
-
-
-def assess_in_part(arguments: argparse.Namespace, given: Inputs, required: float | None) -> int:
+def assess_in_part(
+    arguments: argparse.Namespace,
+    device: "StatedDevice",
+    settings: "Settings",
+    required: float | None,
+) -> int:
     """Answer ``assess`` for a device with unknown quantities; return the exit code."""
-    refuse_options(arguments, "assess", "sheet")
-    device = given.stated
-    assert device is not None  # noqa: S101  (it has unknown quantities)
-    if arguments.plot is not None:
-        check_picture(arguments.plot)
+    if arguments.sheet is not None:
+        raise ValueError(
+            "--sheet: has no sheet while quantities are unknown: give each of these with --set, or "
+            "leave out --sheet"
+        )
     from vibralign.known.possible import check_known, known_in_part  # noqa: PLC0415  (scipy)
 
     check_known(device)
     announce_compilation()
     with ProgressLine() as line:
         line.begin("what is possible, from every touch-down")
-        found = known_in_part(device, given.settings, os.cpu_count() or 1)
+        found = known_in_part(device, settings, os.cpu_count() or 1)
     met = required is None or found.interval[0] >= required
     if arguments.json:
         print_json(_record(found) | {"required": required, "met": met})
     else:
         head = [_line("device", device.source), *_unknown_lines(device)]
-        print("\n".join([*head, *possible_lines(found, device, _horizon(device, given))]))
+        print("\n".join([*head, *possible_lines(found, device, _horizon(device, settings))]))
         if required is not None:
             print(_line("required", f"{100.0 * required:.4g} %: {'met' if met else 'not met'}"))
         if arguments.details:
-            print("\n".join(_details(device, given)))
-    _plot(arguments, found, device)
+            assumed = assumptions(device.parameters, counted(settings), device)
+            del assumed["touch-down"]  # of one run
+            print("\n".join(lines_of(assumed)))
     return int(not met)
 
 
-def design_in_part(arguments: argparse.Namespace, given: Inputs) -> int:
+def design_in_part(
+    arguments: argparse.Namespace, device: "StatedDevice", settings: "Settings"
+) -> int:
     """Answer ``design`` for a device with unknown quantities; return the exit code."""
-    refuse_options(arguments, "design", "out")
-    device = given.stated
-    assert device is not None  # noqa: S101  (it has unknown quantities)
     from vibralign.known.settings import covering  # noqa: PLC0415  (scipy)
 
     announce_compilation()
     with ProgressLine() as line:
-        found = covering(device, given.settings, os.cpu_count() or 1, line.begin)
+        found = covering(device, settings, os.cpu_count() or 1, line.begin)
     own = device.changed(**found.setting)
     if arguments.json:
         print_json({"setting": found.setting, "knowing_adds": found.knowing_adds,
@@ -82,18 +76,9 @@ def design_in_part(arguments: argparse.Namespace, given: Inputs) -> int:
     else:
         head = [_line("device", device.source), *_unknown_lines(device)]
         words = f"{named_words(found.setting, own)} (of {found.tried} settings tried)"
-        lines = possible_lines(found.possible, own, _horizon(own, given))
+        lines = possible_lines(found.possible, own, _horizon(own, settings))
         print("\n".join([*head, _line("setting", words), *lines, *_worth_lines(found)]))
-    _plot(arguments, found.possible, own)
     return int(not found.possible.reliable.all())
-
-
-def _details(device: "StatedDevice", given: Inputs) -> list[str]:
-    """Return what is assumed, and the command that gives the details of one possible device."""
-    assumed = assumptions(device.parameters, counted(given.settings), device)
-    del assumed["touch-down"]  # of one run
-    words = f"forces and leeways in the middle of the ranges: `{_of_middle(device)} --details`"
-    return [*lines_of(assumed), _line("details", words)]
 
 
 def _of_middle(device: "StatedDevice") -> str:
@@ -103,18 +88,9 @@ def _of_middle(device: "StatedDevice") -> str:
     return f"vibralign assess --device {shlex.quote(str(device.source))} {words}"
 
 
-def _horizon(device: "StatedDevice", given: Inputs) -> float:
+def _horizon(device: "StatedDevice", settings: "Settings") -> float:
     """Return the horizon in s of the runs of a device that states what else it has."""
-    return device.horizon or given.settings.horizon * device.units.time
-
-
-def _plot(arguments: argparse.Namespace, found: "Possible", device: "StatedDevice") -> None:
-    if arguments.plot is not None:
-        from vibralign.plots.known import doubt_map  # noqa: PLC0415  (matplotlib)
-        from vibralign.plots.style import write  # noqa: PLC0415
-
-        with writing():
-            write(doubt_map(found, device), arguments.plot)
+    return device.horizon or settings.horizon * device.units.time
 
 
 def _worth_lines(found: "Covering") -> list[str]:

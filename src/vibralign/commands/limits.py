@@ -5,7 +5,6 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from vibralign.answers.si import si_words
-from vibralign.commands.tables import in_columns
 from vibralign.device.limits import LIMITS
 
 if TYPE_CHECKING:
@@ -26,19 +25,6 @@ def limit_rows(results: "Sequence[LimitResult]") -> list[tuple[str, str]]:
         )
     kept = "all kept: " if all(each.exceeding is None for each in results) else ""
     return [("limits", f"{kept}{', '.join(words)}")] if results else []
-
-
-def limit_lines(results: "Sequence[LimitResult]") -> list[str]:
-    """Return a line on every limit; none without limits."""
-    if not results:
-        return []
-    rows = []
-    for each in results:
-        limit, itself = _limit(each), _value(each, each.itself)
-        drawn = () if each.drawn is None else (f"{_value(each, each.drawn)} of all drawn",)
-        word = "kept" if each.exceeding is None else "exceeded"
-        rows.append((each.name, f"limit {limit}", f"{itself} as stated", *drawn, word))
-    return ["limits:", *in_columns(rows)]
 
 
 def exceeded_words(results: "Sequence[LimitResult]", *, only_drawn: bool) -> str:

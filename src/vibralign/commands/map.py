@@ -7,12 +7,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from model.events.outcomes import SUCCESS_TEXT
-from model.physics.parameters import PARAMETER_NAMES, check_name
 from model.physics.quantities import FORCE
-from model.sweeps.axes import Axis
 from model.sweeps.settings import RunSettings
 from vibralign.answers.assumptions import (
     as_attribute,
@@ -21,28 +17,25 @@ from vibralign.answers.assumptions import (
     lines_of,
 )
 from vibralign.answers.forces import until
-from vibralign.answers.si import si_list, written_words
+from vibralign.answers.si import si_list
 from vibralign.commands.arguments import (
-    Inputs,
     add_model_options,
     announce_compilation,
-    number,
-    read_inputs,
-    set_options,
+    read_device,
     whole_number,
 )
 from vibralign.commands.files import check_file, check_picture, writing
 from vibralign.commands.program import add_command
 from vibralign.commands.progress import ProgressLine
 from vibralign.device.amounts import read_amount, read_range
-from vibralign.device.limits import of_vibrator
 from vibralign.device.spelling import ends_of, plain
-from vibralign.device.stated import StatedDevice, check_quantity, unit_of
+from vibralign.device.stated import StatedDevice, unit_of
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from model.sweeps.sweep import Sweep
+    from model.runs.settings import Settings
+    from vibralign.answers.maps import DeviceMap, QuantityAxis
 
 _FINEST = 1025
 _DEFAULT = 129
@@ -57,14 +50,15 @@ def add(commands: Any) -> None:
         "map outcome, duration and reliability of a device over two parameters",
         ". Every node of a grid is computed. A reliable device "
         "goes in (or aligns, with --scene alignment) from every phase of the excitation and "
-        "initial tilt tried; they are tried at every few nodes only. With --device, the map and "
-        "the ranges of --x and --y are in SI units, else dimensionless.",
+        "initial tilt tried; they are tried at every few nodes only.",
         epilog="exit code: 0 the map was made; 1 it could not be written; 2 bad input",
     )
     add = parser.add_argument
     for side in ("x", "y"):
-        words = f"parameter along {side}, with its least and largest value (0 1, or 0..1); with "
-        words += "--device any quantity of its file, and values such as 10um"
+        words = (
+            f"quantity of the device along {side}, with its least and largest value, in SI units "
+        )
+        words += "or with a unit (0 1, or 0..1, or 10um 20um)"
         add(f"--{side}", nargs="+", required=True, metavar=("NAME", "RANGE"), help=words)
     words = f"values along each side (default: {_DEFAULT})"
     add("--resolution", default=str(_DEFAULT), metavar="N", help=words)
@@ -79,8 +73,8 @@ def _map(arguments: argparse.Namespace) -> int:
     check_file(arguments.out, "--out", ["nc"])
     if arguments.plot is not None:
         check_picture(arguments.plot)
-    given = read_inputs(arguments, needless=True)
-    sweep, assumed = _sweep(arguments, given)
+    device, settings = read_device(arguments, needless=True)
+    sweep, assumed = _sweep(arguments, device, settings)
     announce_compilation()
     # Imported here: half a second that only this command needs.
     from model.sweeps.io import write_dataset  # noqa: PLC0415
@@ -94,7 +88,6 @@ def _map(arguments: argparse.Namespace) -> int:
         parts = [run(sweep, cores=cores)]
         dataset = merge(sweep, f"Area of stable alignment over {x} and {y}", parts)
         line.begin("other approaches and bases")
-        device, settings = given.stated or given.parameters, given.settings
         dataset = in_every_case(dataset, device, settings, Ensemble(), cores)
     known = until(sweep.settings.settings)
     dataset["contact_force_max"].attrs["comment"] = f"from the stated start, {known}"
@@ -106,90 +99,52 @@ def _map(arguments: argparse.Namespace) -> int:
             from vibralign.plots.style import write  # noqa: PLC0415
 
             write(stability_map(dataset), arguments.plot)
-    print("\n".join([*_report(dataset, given.stated), *lines_of(assumed)]))
+    print("\n".join([*_report(dataset, device), *lines_of(assumed)]))
     return 0
 
 
-def _sweep(arguments: argparse.Namespace, given: Inputs) -> tuple["Sweep", dict[str, str]]:
+def _sweep(
+    arguments: argparse.Namespace, device: StatedDevice, settings: "Settings"
+) -> tuple["DeviceMap", dict[str, str]]:
     """Return the sweep of the map, and what it assumes."""
     count = whole_number("resolution", arguments.resolution, 2, _FINEST)
     from model.sweeps.settings import Ensemble  # noqa: PLC0415  (as in _map)
 
     starts = Ensemble()
     axes, at = {"--x": arguments.x, "--y": arguments.y}, None
-    if given.stated is not None and "frequency" not in {name for name, *_ in axes.values()}:
-        at = given.stated.quantities["frequency"]
-    x, y = (_axis(option, words, count, given.stated, at) for option, words in axes.items())
+    if "frequency" not in {name for name, *_ in axes.values()}:
+        at = device.quantities["frequency"]
+    x, y = (_axis(option, words, count, at) for option, words in axes.items())
     from vibralign.answers.maps import corners_of, map_of  # noqa: PLC0415
 
-    device = given.stated or given.parameters
-    sweep = map_of(device, RunSettings.of(given.settings), (x, y), starts)
+    sweep = map_of(device, RunSettings.of(settings), (x, y), starts)
     corners = corners_of({axis.parameter: [axis.start, axis.stop] for axis in (x, y)})
-    return sweep, at_corners(
-        [assumptions_with(device, each, given.settings, starts) for each in corners]
-    )
+    return sweep, at_corners([assumptions_with(device, each, settings, starts) for each in corners])
 
 
-def _axis(
-    option: str,
-    given: Sequence[str],
-    count: int,
-    stated: StatedDevice | None,
-    frequency: float | None,
-) -> Axis:
-    """Return ``count`` values of a range; that of a ``stated`` device in SI or its own units.
+def _axis(option: str, given: Sequence[str], count: int, frequency: float | None) -> "QuantityAxis":
+    """Return ``count`` values of a range, which is given in SI or its own units.
 
     ``frequency`` in Hz is that of the whole map, None if it has several.
     """
     from vibralign.answers.maps import QuantityAxis  # noqa: PLC0415  (as in _map)
 
     name, *words = given
-    if stated is None:
-        check_name(name, PARAMETER_NAMES, "parameter")
-    else:
-        check_quantity(name)
+    unit = unit_of(name)
     what, text = f"{option} {name}", " ".join(words)
     ends = ends_of(plain(text)) or words
     if len(ends) != 2:
         raise ValueError(f"{what} {text}: must be two values, such as 0 1 or 0..1")
-    if stated is None:
-        start, stop = (number(what, end) for end in ends)
-    elif ends != words:
-        start, stop = read_range(what, text, unit_of(name), frequency)
+    if ends != words:
+        start, stop = read_range(what, text, unit, frequency)
     else:
-        unit = unit_of(name)
         start, stop = (read_amount(what, end, unit, frequency).value for end in ends)
-    if not (math.isfinite(start) and math.isfinite(stop) and start < stop):
+    if not -math.inf < start < stop < math.inf:
         raise ValueError(f"{what} {text}: must be two finite numbers, the smaller first")
-    kind = Axis if stated is None else QuantityAxis
-    return kind(parameter=name, start=start, stop=stop, count=count)
+    return QuantityAxis(parameter=name, start=start, stop=stop, count=count)
 
 
-def _safest(dataset: "xr.Dataset", stated: StatedDevice | None) -> str:
-    """Return the node farthest inside the reliable area of the map, as options to paste."""
-    from scipy.ndimage import distance_transform_edt  # noqa: PLC0415  (slow)
-
-    from model.sweeps.sweep import START  # noqa: PLC0415  (as in _map)
-
-    good = dataset["reliable"] == 1
-    values = {str(name).removeprefix(START): good[name] for name in good.dims}
-    if stated is not None:
-        own = {**stated.quantities, **values}
-        for name, each in of_vibrator(own["amplitude"], own["frequency"]).items():
-            good = good & (each <= stated.limits.get(name, math.inf))
-    far = distance_transform_edt(np.pad(good.transpose(*dataset["reliable"].dims), 1))[1:-1, 1:-1]
-    if not far.any():
-        return "none within the limits of the vibrator"
-    place = np.unravel_index(int(far.argmax()), far.shape)
-    node = [(n, float(e[i])) for (n, e), i in zip(values.items(), place, strict=True)]
-    named: dict[str, object] = {
-        n: f"{v:.4g}" if stated is None else written_words(n, v, stated) for n, v in node
-    }
-    words = "farthest inside the reliable area; check it with assess"
-    return f"{' '.join(set_options(named).values())}, {words}"
-
-
-def _report(dataset: "xr.Dataset", stated: StatedDevice | None) -> list[str]:
+def _report(dataset: "xr.Dataset", stated: StatedDevice) -> list[str]:
     from model.sweeps.vibration import ONLY_VIBRATED, added, success_of  # noqa: PLC0415  (as in _map)
 
     by_vibration = float((added(dataset) == ONLY_VIBRATED).mean())
@@ -201,14 +156,13 @@ def _report(dataset: "xr.Dataset", stated: StatedDevice | None) -> list[str]:
         ("sensitive", f"{100.0 * float(dataset['sensitive'].mean()):.3g} %: may end differently"),
     ]
     meet = float((dataset["tau_align"] == 0.0).mean())
-    if stated is not None and stated.is_chamfered and meet:
+    if stated.is_chamfered and meet:
         words = f"at {100.0 * meet:.3g} % the chamfers meet, or the part starts inside; "
         rows.append(("at once", f"{words}assess says whether the press slides it in, and how far"))
     force = dataset["contact_force_max"].where(dataset["outcome"] == success)
     if force.notnull().any():
         least, most = float(force.min()), float(force.max())
-        is_si = force.attrs["units"] == FORCE.unit
-        words = si_list([least, most], FORCE, " to ") if is_si else f"{least:.4g} to {most:.4g}"
+        words = si_list([least, most], FORCE, " to ")
         words += f" where it {SUCCESS_TEXT[success]}, {force.attrs['comment']}"
         rows.append(("largest force", words))
     if "reliable" in dataset:
@@ -217,5 +171,4 @@ def _report(dataset: "xr.Dataset", stated: StatedDevice | None) -> list[str]:
         cases = dataset["reliable"].attrs.get("comment", f"from each of {starts} starts")
         words = f"{100.0 * share:.3g} % of {nodes:,} nodes, {cases}"
         rows.insert(1, ("reliable", words))
-        rows[2:2] = [("safest node", _safest(dataset, stated))] if share else []
     return [f"{name:<15}{words}" for name, words in rows]

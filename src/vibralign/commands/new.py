@@ -8,7 +8,6 @@ from typing import Any
 from model.sweeps.files import atomic_write
 from vibralign.commands.files import check_file, writing
 from vibralign.commands.program import add_command
-from vibralign.device import load_device
 
 
 def add(commands: Any) -> None:
@@ -22,21 +21,14 @@ def add(commands: Any) -> None:
         epilog="exit code: 0 the file was written; 1 it could not be; 2 bad input",
     )
     parser.add_argument("file", type=Path, metavar="FILE", help="file to write (.yaml)")
-    words = "copy this device, such as docs/devices/pin.yaml"
-    parser.add_argument("--from", type=Path, metavar="FILE", dest="source", help=words)
 
 
 def _new(arguments: argparse.Namespace) -> int:
-    path, source = arguments.file, arguments.source
+    path = arguments.file
     check_file(path, "new", ["yaml", "yml"])
     if path.exists():
         raise ValueError(f"new {path}: exists already: choose another name, or delete it")
-    if source is not None:
-        load_device(source)
-        content = source.read_bytes()
-    else:
-        content = resources.files("vibralign.device").joinpath("new.yaml").read_bytes()
     with writing(), atomic_write(path) as part:
-        part.write_bytes(content)
+        part.write_bytes(resources.files("vibralign.device").joinpath("new.yaml").read_bytes())
     print(f"fill in {path}, then: vibralign assess --device {path}")
     return 0

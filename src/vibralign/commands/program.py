@@ -32,6 +32,10 @@ _GONE = {
     "arguments: --dimensionless": "vibralign in Python returns dimensionless numbers",
     "arguments: --animate": "vibralign explore animates the run, and runs it live",
     "arguments: --bases": "leave the base out of the device file: assess then tries bases",
+    "arguments: --readings": "write --reading all=printed",
+    "arguments: --from": "copy the file",
+    "arguments: --out": "vibralign.design in Python returns every setting that was tried",
+    "arguments: --plot": "assess --sheet and vibralign map draw where a device goes in",
     "arguments: --invocations": "--invocations is --starts now",
     **{
         f"arguments: --{name}": f"--{name} is gone: filter what --json prints"

@@ -1,4 +1,4 @@
-"""Files that ``vibralign assess`` writes of a device: its page (--sheet) and its map (--plot)."""
+"""The page of a device that ``vibralign assess --sheet`` writes."""
 
 import os
 import warnings
@@ -20,12 +20,10 @@ from vibralign.answers.cases import cases_of
 from vibralign.answers.leeways import ADDED, moved
 from vibralign.answers.maps import QuantityAxis, in_every_case, map_of
 from vibralign.answers.sheet import deciding
-from vibralign.commands.next_step import ranges_to_look
 from vibralign.device import StatedDevice
 from vibralign.device.instead import name_in
 from vibralign.doubts import DoubtWarning
-from vibralign.plots.device_sheet import device_map, render
-from vibralign.plots.style import write
+from vibralign.plots.device_sheet import render
 
 _AXES = ("tilt_stiffness", "press_force")  # of the map, where no two quantities decide
 _SPAN = 0.25, 2.5  # ends of an axis over the value, where the file states no range
@@ -45,21 +43,13 @@ def write_sheet(
     """Write the page of an assessed device: what ``assess`` prints, a map and a run.
 
     ``verdict`` is the headline, and whether it is good; ``groups`` are printed lines by title.
-    The map is over what the file leaves free, then over what decides.
     """
     settings = replace(settings, tolerance=max(settings.tolerance, _TOLERANCE))
     lowered = stated.lowered(result.worst)
-    dataset = _map(stated, [*stated.free, *deciding(result)], result, settings)
+    dataset = _map(stated, result, settings)
     made_by = f"{source_words(stated)}; vibralign {version()}"
     course = simulate_once(stated.parameters, settings)
     write_text(render(lowered, verdict, groups, course, dataset, made_by), path)
-
-
-def write_plot(path: Path, stated: StatedDevice, result: Assessment, settings: Settings) -> None:
-    """Draw what goes in over the two quantities that decide, with the stated point."""
-    settings = replace(settings, tolerance=max(settings.tolerance, _TOLERANCE))
-    lowered = stated.lowered(result.worst)
-    write(device_map(lowered, _map(stated, deciding(result), result, settings)), path)
 
 
 def runs_of_map(stated: StatedDevice) -> int:
@@ -67,18 +57,11 @@ def runs_of_map(stated: StatedDevice) -> int:
     return _COUNT**2 + (_COUNT // 2 + 1) ** 2 * len(cases_of(stated, Ensemble()))
 
 
-def _map(
-    stated: StatedDevice, names: Sequence[str], result: Assessment, settings: Settings
-) -> xr.Dataset:
-    """Return a map over the first two of these quantities, without warnings on its far ends.
-
-    Where no change that was tried helps, it covers the ranges of ``ranges_to_look``.
-    """
-    helpless = result.failing_start is not None and not result.change
-    ranges = (ranges_to_look(stated) if helpless else {}) | dict(stated.free)
+def _map(stated: StatedDevice, result: Assessment, settings: Settings) -> xr.Dataset:
+    """Return a map over what is free, then over what decides; no warnings on its far ends."""
     usual = [name_in(stated.quantities, name) for name in _AXES]
-    names = [*names, *ranges, *usual]
-    x, y = (_axis(stated, name, ranges.get(name)) for name in list(dict.fromkeys(names))[:2])
+    names = dict.fromkeys([*stated.free, *deciding(result), *usual])
+    x, y = (_axis(stated, name, stated.free.get(name)) for name in [*names][:2])
     ensemble, cores = Ensemble(), os.cpu_count() or 1
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DoubtWarning)

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from model.physics.parameters import FIELDS, Batch, Parameters
+from model.physics.parameters import FIELDS, Batch
 from model.physics.units import UNITS, Units, scales
 from model.runs.settings import Settings
 from vibralign.device.approach import SPEED, SUDDEN
@@ -21,16 +21,14 @@ Values = Mapping[str, NDArray[np.float64]]
 """Quantities that vary together, each of shape (n,)."""
 
 
-def devices_of(stated: Parameters | StatedDevice, values: Values) -> tuple[Batch, list[Units]]:
-    """Return parameters of the devices with these quantities, and units of those in SI units.
+def devices_of(stated: StatedDevice, values: Values) -> tuple[Batch, list[Units]]:
+    """Return parameters and units of the devices with these quantities.
 
     A value that equals the device's own is no change: if it was computed from others, it still is.
 
     Raises:
         ValueError: a quantity outside its rule, or the speed of a sudden start.
     """
-    if isinstance(stated, Parameters):
-        return Batch.of(stated, **values), []
     if stated.sudden and SPEED in values:
         raise ValueError(f"{SPEED}: cannot vary with {SPEED}: {SUDDEN}")
     stated = stated.lowered()  # its speed is one in SI units

@@ -59,15 +59,38 @@ def device_of(given: object) -> Device:
     return given
 
 
+def stated_of(given: object) -> StatedDevice:
+    """Return a device in SI units; errors as ``device_of``.
+
+    Raises:
+        TypeError: it is dimensionless.
+    """
+    device = device_of(given)
+    if isinstance(device, Parameters):
+        raise TypeError(
+            "this needs a device of a file, as load_device returns it, or the file's path, got "
+            "Parameters, which only simulate and align run"
+        )
+    return device
+
+
+def stated_devices(given: AnyDevice | Iterable[AnyDevice]) -> list[StatedDevice]:
+    """Return the devices of a list, or the one in place of a list; errors as ``stated_of``."""
+    return [stated_of(each) for each in _listed(given)]
+
+
 def devices_in(given: AnyDevice | Iterable[AnyDevice]) -> list[Device]:
     """Return the devices of a list, or the one that is given in place of a list.
 
     Raises:
         TypeError, DeviceError: as ``device_of``.
     """
-    if isinstance(given, (str, Mapping)) or not isinstance(given, Iterable):
-        return [device_of(given)]
-    return [device_of(each) for each in given]
+    return [device_of(each) for each in _listed(given)]
+
+
+def _listed(given: AnyDevice | Iterable[AnyDevice]) -> Iterable[object]:
+    is_one = isinstance(given, (str, Mapping)) or not isinstance(given, Iterable)
+    return [given] if is_one else given  # type: ignore[return-value]
 
 
 def _check_start(device: StatedDevice, start: str | None) -> None:
@@ -76,28 +99,26 @@ def _check_start(device: StatedDevice, start: str | None) -> None:
         read_start({"start": start})
 
 
-def settings_for(device: Device, settings: Settings | None) -> Settings:
+def settings_for(device: StatedDevice, settings: Settings | None) -> Settings:
     """Return the settings of an answer; by default, those of the insertion scene.
 
     Raises:
         ValueError: a start that is not the device's.
     """
-    if isinstance(device, StatedDevice) and settings is not None:
+    if settings is not None:
         _check_start(device, settings.start)
     return settings or Settings(scene=INSERTION)
 
 
 def with_changes(
-    device: Device, settings: Settings | None, changes: dict[str, Any]
-) -> tuple[Device, Settings]:
+    device: StatedDevice, settings: Settings | None, changes: dict[str, Any]
+) -> tuple[StatedDevice, Settings]:
     """Return a device with a horizon and depth given as texts, and settings with other changes.
 
     Raises:
         TypeError, ValueError: as ``settings_with``, a text that is no amount, or a start that is
             not the device's.
     """
-    if isinstance(device, Parameters):
-        return device, _settings_with(settings, changes)
     _check_start(device, changes.get("start", None if settings is None else settings.start))
     texts = {n: v for n, v in changes.items() if n in IN_SI and isinstance(v, str)}
     in_si: Any = {n: read_positive(n, text, IN_SI[n].unit) for n, text in texts.items()}
@@ -122,9 +143,9 @@ def as_run(
     device: Device, settings: Settings | None, changes: dict[str, Any]
 ) -> tuple[Parameters, Settings]:
     """Return the parameters of a device and the settings of its runs; errors as above."""
-    device, settings = with_changes(device, settings, changes)
     if isinstance(device, Parameters):
-        return device, settings
+        return device, _settings_with(settings, changes)
+    device, settings = with_changes(device, settings, changes)
     return device.parameters, device.run_settings(settings, device.units)
 
 

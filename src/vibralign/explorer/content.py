@@ -6,7 +6,6 @@ Values are in the page's units: SI for a device of a file, else dimensionless.
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
@@ -27,6 +26,8 @@ from model.physics.units import UNITS, Units
 from model.runs.settings import Settings
 from vibralign.answers.forces import until
 from vibralign.answers.si import display, in_words_of, scale
+from vibralign.device import StatedDevice
+from vibralign.device.instead import SOURCES
 from vibralign.device.mouth import MOUTH
 from vibralign.plots.words import symbol_parts
 
@@ -92,39 +93,26 @@ def _shown(units: Units | None, quantity: Quantity, value: float = 0.0) -> dict[
 Values = Mapping[str, float | None]
 """Parameters, or quantities of a device in SI units, by name."""
 
-# The options that a device's page was made with; the commands that it copies repeat them.
-_NO_ORIGIN: Mapping[str, Any] = {
-    "options": (),  # all except --set, quoted for a shell
-    "sets": {},  # the --set options by name, likewise
-    # Parameters that follow from other quantities of the device's file, with these quantities; the
-    # page keeps their values while others change.
-    "held": {},
-    "horizon": None,  # latest time of the runs in s, None if it is in units of 1/p
-}
-
 
 def device_model(
-    values: Values,
-    units: Units | None,
-    file: str,
+    stated: StatedDevice,
     settings: Settings,
     interface: Mapping[str, Any],
-    origin: Mapping[str, Any] = _NO_ORIGIN,
     assumed: Mapping[str, str] = MappingProxyType({}),
 ) -> dict[str, Any]:
-    """Return the content of the page of a device, in SI units if it has ``units``.
+    """Return the content of the page of a device, in SI units.
 
-    ``values`` are its parameters or, in SI units, its quantities (``StatedDevice.values``).
     ``assumed`` is what its runs assume, in words by name.
     """
+    values, units, file = stated.values, stated.units, str(stated.source)
     preset = {
-        **DEFAULT_AXES, "group": "Device", "title": file or "the paper's device",
-        "words": _held_words(origin["held"]), "values": values,
+        **DEFAULT_AXES, "group": "Device", "title": file, "words": _held_words(stated),
+        "values": values,
     }  # fmt: skip
     return {
         **page_model(f"vibralign explorer: {file}", values, units, settings, interface, assumed),
-        "origin": origin,
-        "name": Path(file).stem or "device",
+        "horizon": stated.horizon,
+        "name": stated.source.stem,
         "parameters": described(values, units),
         "presets": {"device": preset},
         "first": "device",
@@ -153,7 +141,7 @@ def page_model(
         "footer": f"Made by vibralign. Tolerance {settings.tolerance:g}, in maps "
         f"{max(settings.tolerance, 1e-8):g}. The error of the run is not estimated here; vibralign "
         "simulate does so." + (f" Assumed as the page opens: {said}." if said else ""),
-        "origin": _NO_ORIGIN,
+        "horizon": None,  # latest time of the runs in s, None if it is in units of 1/p
         "name": "",
         "units": units is not None,
         "interface": interface,
@@ -190,10 +178,14 @@ def _panel(panel: Mapping[str, str], units: Units | None) -> dict[str, Any]:
     return {"curves": curves, **_shown(units, TRACK_VARIABLES[next(iter(panel))].quantity)}
 
 
-def _held_words(held: Mapping[str, Sequence[str]]) -> str:
-    """Say what stays as it is while other values change."""
+def _held_words(stated: StatedDevice) -> str:
+    """Say which parameters, computed from others, stay as they are while other values change."""
+    present = {*stated.quantities, *(() if stated.materials is None else ("materials",))}
     words = [
-        f"{name.replace('_', ' ')} (from {sources[0]})" for name, sources in held.items() if sources
+        f"{name.replace('_', ' ')} (from {source})"
+        for name, sources in SOURCES.items()
+        for source in [each for each in sources if each in present][:1]
+        if name not in present
     ]
     return f"Held at the file's press force: {', '.join(words)}." if words else ""
 

@@ -145,7 +145,6 @@ function listen() {
   element("compare").addEventListener("click", () => { state.compared = !state.compared; follow(); });
   element("preset").addEventListener("change", () => { time = 0; open(`#figure=${element("preset").value}`); });
   element("link").addEventListener("click", () => copy(`${location.href.split("#")[0]}${hashOf(state, MODEL)}`, "Link copied:"));
-  element("command").addEventListener("click", () => copy(commandOf(state, MODEL), "Command copied:"));
   element("save").addEventListener("click", save);
   const plots = element("plots"), canvas = element("map");
   drag(plots, (event) => { play(false); seek(timeAxis(plots.clientWidth, lastTime()).back(event.offsetX)); });

@@ -30,7 +30,7 @@ const setOf = (values) => Object.values(asParameters(values, MODEL));
 
 /** Return the control of a run; a horizon in seconds is the same for all units. @param {Record<string, number>} values @returns {Record<string, number>} */
 function controlOf(values) {
-  const horizon = MODEL.origin.horizon / scaleOf(MODEL.time, values);
+  const horizon = MODEL.horizon / scaleOf(MODEL.time, values);
   return Number.isNaN(horizon) ? MODEL.control : { ...MODEL.control, horizon };
 }
 

@@ -1,4 +1,4 @@
-// What is shown: the parameters and the view, in the address after #; as a command, and as a file.
+// What is shown: the parameters and the view, in the address after #, and as a file.
 
 /**
  * @typedef {{figure: string, values: Record<string, number>, x: string, y: string, spans: Record<string, number[] | undefined>,
@@ -115,18 +115,6 @@ function hashOf(state, model) {
 /** Return the values of a run. @param {State} state @param {boolean} vibration @returns {Record<string, number>} */
 function valuesOf(state, vibration) {
   return vibration ? state.values : { ...state.values, frequency: 0, phase: 0 };
-}
-
-/** Return the command of a state's run; with other values than the file's, it states what the file derives from them. @param {State} state @param {any} model */
-function commandOf(state, model) {
-  const { options, sets, held } = model.origin, values = valuesOf(state, state.vibration), stated = { ...sets };
-  const changes = changed(values, model.baseline).map(([name]) => name);
-  for (const [name, sources] of changes.length ? Object.entries(held) : []) {
-    for (const each of /** @type {string[]} */ (sources)) delete stated[each];
-    changes.push(name);
-  }
-  for (const name of changes) stated[name] = `--set ${name}=${Number.isNaN(values[name]) ? "none" : values[name]}`;
-  return ["vibralign simulate --scene insertion", ...options, ...Object.values(stated)].join(" ");
 }
 
 /** Return the file of a device in SI units. @param {State} state @param {any} model */

@@ -1,11 +1,10 @@
-"""Curves: Figs. 6 to 12 over one parameter, and the settings of a design.
+"""Curves: Figs. 6 to 12 over one parameter.
 
 Where a part does not align there is no duration. The curve has a gap, and a strip below the curves
 marks the gap, so that it is not taken for missing data.
 """
 
 from collections.abc import Mapping
-from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -17,8 +16,6 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from model.events.outcomes import Outcome
-from vibralign.answers.si import readable, si_words
-from vibralign.device.limits import LIMITS, OF_VIBRATOR
 from vibralign.plots import style
 from vibralign.plots.style import Bools, Floats
 
@@ -193,42 +190,3 @@ def _draw_strip(
     if lines.size:
         notes += strip.plot(swept[columns], lines, label=style.FAILED_LABEL, **_CROSS)
     return notes
-
-
-def draw_settings(dataset: xr.Dataset, why: str = "") -> Figure:
-    """Draw the settings of a design over its first two free quantities; over one, with the margin.
-
-    Colours say what was found; a star is the recommended setting. ``why`` says why there is none.
-    """
-    names = [str(name) for name in dataset.data_vars if str(name).startswith("setting_")]
-    x, y = readable(dataset)[names[0]], readable(dataset)[names[1] if names[1:] else "margin"]
-    all_in, best = dataset["share"].values == 1.0, int(dataset.attrs["recommended"])
-    kept, over = dataset["within"].values == 1, np.zeros_like(all_in)
-    limits = {n: dataset[n].attrs["limit"] for n in LIMITS if "limit" in dataset.get(n, x).attrs}
-    beyond = {name: dataset[name].values > limit for name, limit in limits.items()}
-    for name in (each for each in OF_VIBRATOR if each in beyond):
-        over |= beyond[name]
-    exceeded = [name for name, each in beyond.items() if (each & all_in & ~kept).any()]
-    exceeds = f"goes in, but exceeds a limit: {', '.join(exceeded)}"
-    with style.context():
-        figure = style.new_figure(height=10.0 * style.CENTIMETRE)
-        axes = figure.subplots()
-        for chosen, mark, colour, words in (
-            (~all_in & ~over, "x", style.GREY, "does not go in, or not with all tolerances"),
-            (over, "x", style.ORANGE, "not tried: exceeds a limit of the vibrator"),
-            (all_in & ~kept, "o", style.ORANGE, exceeds),
-            (kept, "o", style.BLUE, "goes in and keeps the limits, by a quick trial"),
-        ):
-            if chosen.any():
-                axes.plot(x[chosen], y[chosen], mark, color=colour, markersize=4, label=words)
-        words = "nearest to it" if why else "recommended"
-        axes.plot(x[best], y[best], "*", color=style.VERMILLION, markersize=13, label=words)
-        for set_label, each in ((axes.set_xlabel, x), (axes.set_ylabel, y)):
-            name = each.attrs["long_name"].removeprefix("setting: ")
-            set_label(style.label_of(name, each.attrs["units"]))
-        if why:
-            axes.set_title(fill(f"Nothing found, because {why}", 80))
-        words = ", ".join(f"{n} {si_words(v, LIMITS[n][1])}" for n, v in limits.items())
-        title = f"limits: {words}" if limits else None
-        axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=2, title=title)
-        return figure

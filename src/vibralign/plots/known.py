@@ -1,4 +1,4 @@
-"""Pictures of a device that is known in part: its verdict, and what trials leave possible."""
+"""Picture of a device that is known in part: what trials leave possible, and their times."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -9,7 +9,6 @@ from vibralign.answers.si import display
 from vibralign.device import StatedDevice
 from vibralign.device.stated import quantity_of
 from vibralign.known.calibrate import Calibration
-from vibralign.known.possible import Possible
 from vibralign.plots import style
 from vibralign.plots.style import CENTIMETRE, Floats
 
@@ -21,37 +20,6 @@ def _scaled(name: str, values: Floats, device: StatedDevice) -> tuple[Floats, st
     usual = display(float(np.abs(values).max()), quantity_of(name)[1])
     unit, one = device.written.get(name, usual)
     return values / one, style.label_of(name, unit)
-
-
-def doubt_map(found: Possible, device: StatedDevice) -> Figure:
-    """Draw the verdicts over the two unknowns that decide most."""
-    names = [each.name for each in found.unknowns][:2]
-    share, title = float(found.reliable.mean()), f"{device.source.name}: what is possible"
-    with style.context():
-        figure = style.new_figure(height=9.5 * CENTIMETRE)
-        axes = figure.subplots()
-        if share in (0.0, 1.0):
-            which = "all" if share else "none of the"
-            title += f": reliable in {which} {found.reliable.size} sets tried"
-        x, label = _scaled(names[0], found.sets[names[0]], device)
-        y = np.arange(x.size) / x.size
-        axes.set_xlabel(label)
-        if len(names) == 1:
-            axes.set_yticks([])
-        else:
-            y, label = _scaled(names[1], found.sets[names[1]], device)
-            axes.set_ylabel(label)
-        for verdict, mark, colour, words in (
-            (True, "o", style.BLUE, "reliable"), (False, "x", style.VERMILLION, "not reliable"),
-        ):  # fmt: skip
-            some = found.reliable == verdict
-            label = f"{words}: {100.0 * some.mean():.3g} %"
-            size = 3.5 if 0.0 < share < 1.0 else 1.0
-            axes.plot(x[some], y[some], mark, color=colour, label=label, markersize=size)
-        axes.set_title(title, loc="left")
-        if 0.0 < share < 1.0:
-            figure.legend(loc="outside upper right", ncols=2)
-    return figure
 
 
 def calibration(found: Calibration) -> Figure:

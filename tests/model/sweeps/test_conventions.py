@@ -21,8 +21,6 @@ from study.config.identification import Grid
 from study.evidence.cases import cases_dataset, cases_plan
 from study.plans import sweep_of
 from vibralign import Parameters
-from vibralign.answers.design import Design, tried_of
-from vibralign.answers.design_files import design_dataset
 from vibralign.answers.maps import QuantityAxis, map_of
 from vibralign.device import load_device
 
@@ -50,7 +48,11 @@ def map_over_force(device: Parameters) -> Sweep:
     settings = RunSettings(readings="consistent", horizon=20.0, tolerance=1e-6)
     x = Axis(parameter="tilt_stiffness", start=2.0, stop=16.0, count=3)
     y = Axis(parameter="press_force", start=1.0, stop=9.0, count=3)
-    return map_of(device, settings, (x, y), Ensemble(phases=2, tilts=[1.0], every=1))
+    variables = "outcome", "reason", "tau_align", "tau_error", "contact_force_max"
+    return Sweep(
+        name="map", kind="map", parameters=device.given(), settings=settings, dimensions=[y, x],
+        variables=variables, ensemble=Ensemble(phases=2, tilts=[1.0], every=1),
+    )  # fmt: skip
 
 
 def map_in_si() -> Sweep:
@@ -74,13 +76,6 @@ def few(study: Study, name: str) -> Sweep:
 def swept(study: Study, name: str) -> xr.Dataset:
     sweep = few(study, name)
     return merge(sweep, name, [run(sweep)])
-
-
-def design() -> xr.Dataset:
-    stated = load_device(PEG)
-    settings = [(force, 0.3) for force in (8.0, 9.0)]
-    tried = tried_of(settings, [(1.0, 2.0, 0.1, 20.0, 0.1, np.nan, 9.0, 1e-3)] * 2, stated.free)
-    return design_dataset(stated, Design(tried, 0, {}, {}, stated.free))
 
 
 def judged(study: Study) -> xr.Dataset:
@@ -107,7 +102,6 @@ def written(
         "chunk": run(few(study, "fig06"), 0, 2),
         "map": merge(forces, "A map", [run(forces)]),
         "map_in_si": merge(in_si, "A map", [run(in_si)]),
-        "design": design(),
         "cases": judged(study),
     }
     paths = {kind: tmp_path_factory.mktemp("files") / f"{kind}.nc" for kind in datasets}

@@ -26,8 +26,9 @@ OF_PEG = ["--device", PEG]
 DEVICE = ["simulate", *OF_PEG]
 DEPTH = ["--scene", "insertion", "--insertion-depth"]
 TILT = ["--x", "tilt_stiffness"]
-PLANE = [*TILT, "6", "20", "--y", "press_force", "1", "5"]
-MAP = ["map", *PLANE, "--resolution", "4", "--out", "ROOT/map.nc"]
+PLANE = [*TILT, "0.6", "2", "--y", "press_force", "1", "5"]
+MAP = ["map", *OF_PEG, *PLANE, "--resolution", "4", "--out", "ROOT/map.nc"]
+EXPLORE = ["explore", *OF_PEG, "--out"]
 
 # The command line, and what the one line that refuses it must hold. ROOT is an empty folder.
 LINES = [
@@ -35,7 +36,7 @@ LINES = [
     (["simulate", "--set", "rest_x=anywhere"], ["rest_x", "'anywhere'", "None"]),
     (["simulate", "--tolerance", "1e-20"], ["tolerance", "1e-14"]),
     (["simulate", "--horizon", "-1"], ["horizon", "> 0"]),
-    (["simulate", "--readings", "both"], ["both", "consistent", "printed"]),
+    (["simulate", "--reading", "all=both"], ["'both'", "consistent", "printed"]),
     (["simulate", "--reading", "preload"], ["preload", "NAME=VALUE"]),
     (["simulate", "--plot", "ROOT/run.docx"], ["run.docx", ".png", ".svg"]),
     (["simulate", "--plot", "/dev/full/run.png"], ["/dev/full", "does not exist"]),
@@ -67,24 +68,24 @@ LINES = [
     ([], ["command"]),
     (["simulte"], ["simulte", "simulate"]),
     (["assess", "--device", PEG, "--set", "mass=0"], ["mass = 0.0: must be a finite number > 0"]),
-    (["assess", "--devices", "100"], ["devices = 100: must be a power of two"]),
-    (["assess", "--require", "0.9"], ["--require needs a device with tolerances"]),
-    (["assess", "--require", "1.5"], ["require = 1.5: must be between 0 and 1"]),
-    (["assess", "--sheet", "ROOT/sheet.html"], ["--sheet needs --device FILE"]),
-    (["design"], ["design needs --device FILE"]),
+    (["assess", *OF_PEG, "--devices", "100"], ["devices = 100: must be a power of two"]),
+    (["assess", *OF_PEG, "--require", "0.9"], ["--require needs a device with tolerances"]),
+    (["assess", *OF_PEG, "--require", "1.5"], ["require = 1.5: must be between 0 and 1"]),
+    (["assess", *OF_PEG, "--sheet", "ROOT/sheet.png"], ["must end in .html"]),
+    *(
+        ([each], ["required: ", "--device"])
+        for each in ("assess", "calibrate", "design", "explore")
+    ),
     (["design", "--device", PEG], ["nothing is free"]),
     *(
         (["design", "--device", PEG, "--generations", n], [f"generations = {n}: must be a whole"])
         for n in ("0", "nan")
     ),
-    (["explore", "--out", "peg.txt"], ["must end in .html"]),
-    (["explore", "--out", "no/such/peg.html"], ["does not exist"]),
-    (["explore", "--out", "peg.html", "--readings", "printed"], ["consistent readings only"]),
-    (
-        ["explore", "--out", "peg.html", "--scene", "insertion", "--insertion-depth", "0.2"],
-        ["default depth only"],
-    ),
-    ([*MAP, "--device", PEG, "--x", "mas", "1", "2"], ["Did you mean 'mass'?"]),
+    ([*EXPLORE, "peg.txt"], ["must end in .html"]),
+    ([*EXPLORE, "no/such/peg.html"], ["does not exist"]),
+    ([*EXPLORE, "peg.html", "--reading", "all=printed"], ["consistent readings only"]),
+    ([*EXPLORE, "peg.html", *DEPTH, "0.2 mm"], ["default depth only"]),
+    ([*MAP, "--x", "mas", "1", "2"], ["Did you mean 'mass'?"]),
     ([*MAP, "--resolution", "1"], ["resolution = 1: must be a whole number, 2 to 1025"]),
     ([*MAP, "--x", "tilt_stifness", "1", "2"], ["Did you mean 'tilt_stiffness'?"]),
     ([*MAP, *TILT, "5", "1"], ["--x tilt_stiffness 5 1: must be two finite numbers"]),
@@ -164,7 +165,7 @@ def test_a_dataset_whose_name_python_cannot_tell(tmp_path):
     folder.mkdir()
     axes = ["--x", "friction", "0.1", "0.2", "--y", "press_force", "1", "2"]
     locale = {"LC_ALL": "POSIX", "PYTHONCOERCECLOCALE": "0", "PYTHONUTF8": "0"}
-    done = run_with(["map", *axes, "--out", str(folder / "map.nc")], **locale)
+    done = run_with(["map", *OF_PEG, *axes, "--out", str(folder / "map.nc")], **locale)
     assert done.returncode == cli.REFUSED
     assert "Python takes the names of files for ASCII here: set PYTHONUTF8=1" in done.stderr
 

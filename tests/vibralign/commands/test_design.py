@@ -6,7 +6,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-import xarray as xr
 
 import vibralign
 from model.sweeps.settings import Ensemble
@@ -39,10 +38,9 @@ def peg(tmp_path, monkeypatch):
     return write
 
 
-def test_a_design_is_recommended_and_kept(capsys, peg, tmp_path):
-    out, plot = tmp_path / "design.nc", tmp_path / "front.png"
-    given = ["design", "--device", peg("contact_force: 60 N"), *QUICK, *BASE, "--out", str(out)]
-    assert cli.main([*given, "--plot", str(plot)]) == cli.DONE
+def test_a_design_is_recommended(capsys, peg):
+    given = ["design", "--device", peg("contact_force: 60 N"), *QUICK, *BASE]
+    assert cli.main(given) == cli.DONE
     said = capsys.readouterr().out
     assert said.startswith("recommended            tilt_stiffness = 0.")
     assert "largest contact_force" in said
@@ -53,20 +51,12 @@ def test_a_design_is_recommended_and_kept(capsys, peg, tmp_path):
     assert (
         "  tolerances  none stated, so assumed: press_force ± 10 %, tilt_stiffness ± 10 %" in said
     )
-    assert plot.stat().st_size > 10_000
-    with xr.open_dataset(out) as dataset:
-        assert dataset.attrs["free"] == "tilt_stiffness"
-        assert "so assumed: press_force" in json.loads(dataset.attrs["assumptions"])["tolerances"]
-        assert int(dataset["devices"][dataset.attrs["recommended"]]) == 64
-        assert dataset.attrs["yield_interval"].tolist() == pytest.approx([0.9434, 1.0], abs=1e-4)
-        assert dataset.attrs["yield_confidence"] == 0.95
-        assert dataset["time"].attrs["long_name"].endswith("of the runs that go in")
-        assert set(dataset["within"].values.tolist()) <= {0, 1}
-        assert not (dataset["time"].values > 0.6).any()  # the horizon
-        tried = dataset.sizes["candidate"]
     assert cli.main([*given, "--json"]) == cli.DONE
     record = json.loads(capsys.readouterr().out)
-    assert (record["tried"], record["feasible"]) == (tried, True)
+    assert (record["feasible"], record["devices"], record["yield_confidence"]) == (True, 64, 0.95)
+    assert record["yield_interval"] == pytest.approx([0.9434, 1.0], abs=1e-4)
+    assert "so assumed: press_force" in record["assumptions"]["tolerances"]
+    assert record["time"] < 0.6  # the horizon
 
 
 def test_python_has_the_design_of_the_command(capsys, peg):
@@ -89,8 +79,6 @@ def test_python_has_the_design_of_the_command(capsys, peg):
     parser = cli.parser().parse_args(["design", "--device", path])
     assert (int(parser.generations), int(parser.population)) == (GENERATIONS, POPULATION)
     assert int(parser.devices) == DEVICES
-    with pytest.raises(TypeError, match="needs a device of a file"):
-        vibralign.design(vibralign.baseline())
     with pytest.raises(ValueError, match=r"devices = 3: .* power of two"):
         vibralign.design(path, devices=3)
     with pytest.raises(ValueError, match="nothing is free"):
@@ -129,15 +117,10 @@ def test_limits_that_cannot_be_kept_exit_with_1(capsys, peg):
     assert "what limits it:\n  the limit of contact_force, exceeded\n" in said
 
 
-def test_the_nearest_setting_names_the_limits_that_it_passes(capsys, peg, tmp_path):
-    device, plot = peg("time: 60 ms", friction="0.3 ± 0.29"), tmp_path / "design.svg"
-    given = ["design", "--device", device, *QUICK, *BASE, "--plot", str(plot)]
-    assert cli.main(given) == cli.FAILED
+def test_the_nearest_setting_names_the_limits_that_it_passes(capsys, peg):
+    device = peg("time: 60 ms", friction="0.3 ± 0.29")
+    assert cli.main(["design", "--device", device, *QUICK, *BASE]) == cli.FAILED
     said = capsys.readouterr().out
-    drawn_words = " ".join(re.findall(r">([^<>]+)</t", plot.read_text(encoding="utf-8")))
-    assert f"Nothing found, because {said.splitlines()[0]}" in drawn_words
-    assert "nearest to it" in drawn_words
-    assert "recommended" not in drawn_words
     words = "goes in and keeps the limits with all devices within the tolerances"
     assert said.startswith(f"no setting of those tried {words}\nnearest to it ")
     nearest = re.search(
@@ -151,27 +134,20 @@ def test_the_nearest_setting_names_the_limits_that_it_passes(capsys, peg, tmp_pa
     assert "  the tolerance of friction" in limits
 
 
-def test_a_device_that_goes_in_nowhere_is_told_the_cause_and_that_no_range_helps(
-    capsys, peg, request
-):
+def test_a_device_that_goes_in_nowhere_is_told_the_cause_and_that_no_range_helps(capsys, peg):
     device = peg("time: 0.5 s", friction="0.9 ± 0.1")
     assert cli.main(["design", "--device", device, *QUICK, *BASE]) == cli.FAILED
     said = capsys.readouterr().out
     assert "cause                  it hardly slips: it sticks on the edge " in said
     words = "not reliable at the stated values; no others within the tolerances were tried"
     assert f"verdict                {words}\n" in said
-    change = re.search(
-        r"first to change +(\w+) = (.+?): so it goes in as stated \(tried, without tol", said
-    )
     assert "tolerances  as stated: friction ± 0.1\n" in said
     assert not re.search(r"nan|none|of 0 times|by 0 devices", said.replace("none drawn", ""))
     setting = re.search(r"nearest to it +tilt_stiffness = ([\d.]+) ", said)[1]
-    sets = [f"tilt_stiffness={setting}", f"{change[1]}={change[2]}"]
-    assert change[1] != "friction"  # of the parts: it comes last
-    given = [word for each in sets for word in ("--set", each)]
-    request.getfixturevalue("_no_leeways")  # the verdict alone is asked for
-    assert cli.main(["assess", "--device", device, *BASE, *given, "--devices", "2"]) == cli.DONE
-    assert "\nverdict         reliable at the stated values" in capsys.readouterr().out
+    command = (
+        f"--device {device} --set 'contact_stiffness=300 kN/m' --set 'tilt_stiffness={setting}"
+    )
+    assert f"next                   see what to change: vibralign assess {command} N m/rad'" in said
     assert "  the device itself: as stated it does not go in\n" in said
     for end in (
         "upper end of the range of tilt_stiffness, 0.4",
@@ -180,8 +156,8 @@ def test_a_device_that_goes_in_nowhere_is_told_the_cause_and_that_no_range_helps
         assert f"  the {end} N m/rad\n" in said
 
 
-def test_an_interrupt_of_the_search_prints_the_best_so_far(capsys, peg, tmp_path, monkeypatch):
-    out, quick, calls = tmp_path / "design.nc", design_trials.Trials.quick, []
+def test_an_interrupt_of_the_search_prints_the_best_so_far(capsys, peg, monkeypatch):
+    quick, calls = design_trials.Trials.quick, []
 
     def interrupted(self, points):
         calls.append(points)
@@ -190,11 +166,10 @@ def test_an_interrupt_of_the_search_prints_the_best_so_far(capsys, peg, tmp_path
         return quick(self, points)
 
     monkeypatch.setattr(design_trials.Trials, "quick", interrupted)
-    given = ["design", "--device", peg("contact_force: 60 N"), *QUICK, *BASE, "--out", str(out)]
+    given = ["design", "--device", peg("contact_force: 60 N"), *QUICK, *BASE]
     assert cli.main(given) == cli.INTERRUPTED
     printed, told = capsys.readouterr()
     assert printed == ""
-    assert not out.exists()
     best = re.search(
         r"best of 5 settings so far, .*: tilt_stiffness = (\S+) N m/rad; by them it", told
     )

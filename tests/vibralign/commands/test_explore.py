@@ -32,13 +32,4 @@ def test_a_device_gets_a_page_in_its_units(tmp_path, capsys):
     )
     assert str(page) in capsys.readouterr().out
     assert model_in(page)["baseline"]["press_force"] == pytest.approx(12.0)
-    origin = model_in(page)["origin"]
-    assert origin["options"] == ["--device", PEG]
-    assert origin["sets"] == {"press_force": "--set press_force=12"}
-
-
-@pytest.mark.usefixtures("engine")
-def test_without_a_device_the_page_is_that_of_the_paper(tmp_path):
-    page = tmp_path / "paper.html"
-    assert cli.main(["explore", "--out", str(page)]) == cli.DONE
-    assert model_in(page)["presets"]["device"]["title"] == "the paper's device"
+    assert model_in(page)["presets"]["device"]["title"] == PEG

@@ -3,6 +3,7 @@
 import logging
 import sys
 import time
+from pathlib import Path
 
 from model.engine.queue import Queue
 from model.engine.scheduling import MOST_RUNS
@@ -11,7 +12,8 @@ from vibralign.commands import main as cli
 from vibralign.commands import progress
 from vibralign.commands.progress import ProgressLine
 
-COMMAND = ["assess", "--horizon", "3", "--tolerance", "1e-4"]
+PEG = str(Path(__file__).parents[2] / "square" / "peg.yaml")
+COMMAND = ["assess", "--device", PEG, "--horizon", "30 ms", "--tolerance", "1e-4"]
 
 
 def wait_a_moment(queue: Queue) -> None:

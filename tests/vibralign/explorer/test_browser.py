@@ -1,8 +1,6 @@
 """The explorer in a real browser, headless: `make browser-test`."""
 
-import json
 import math
-import shlex
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -18,7 +16,6 @@ from model.runs.simulate import simulate, simulate_once
 from study.config import load_study, study_path
 from study.explorer import study_model
 from tests.vibralign.explorer.browser import Page, find_browser
-from vibralign.commands import main as cli
 from vibralign.explorer.page import build_page
 
 PATH = find_browser()
@@ -107,7 +104,7 @@ def test_a_value_outside_its_rule_is_refused_in_words(page, given):
     assert all(page.text(each) == "" for each in ("verdict", "words", "remedy", "beside"))
     assert page.evaluate("element('p-friction').value") == given
     assert page.results == before
-    page.evaluate("element('command').click()")
+    page.evaluate("element('link').click()")
     assert page.text("said").startswith("Not copied: friction")
     # Another value is taken, and nothing runs until the first is mended.
     page.slide("press_force", 2.0)
@@ -279,16 +276,6 @@ def test_a_node_that_is_filled_does_not_align(page, url):
     assert Outcome.ALIGNED not in {node[2] for node in nodes}
 
 
-def test_the_command_repeats_the_run(page, capsys):
-    page.slide("press_force", 2.0)
-    page.evaluate("element('command').click()")
-    page.wait_for("element('copied').textContent")
-    assert cli.main([*shlex.split(page.text("copied"))[1:], "--json"]) == cli.DONE
-    record = json.loads(capsys.readouterr().out)
-    assert record["tau_align"] == pytest.approx(page.results["tau_align"], abs=1e-8)
-    assert page.evaluate("element('save').hidden")  # a device's file is in SI units
-
-
 def test_every_preset_opens_and_plays_only_where_motion_is_wanted(page, url):
     page.prefer_reduced_motion()
     page.show(url)
@@ -309,7 +296,7 @@ def test_nothing_is_wider_than_the_window(page, url, width, tmp_path):
 
 def test_verdict_and_drawing_stay_in_sight_on_a_small_screen(page, url):
     page.show(f"{url}#figure=fig05&t=1", 400, 800)
-    for name in ("s-tilt_stiffness", "command"):
+    for name in ("s-tilt_stiffness", "link"):
         page.evaluate(f"element('{name}').scrollIntoView({{block: 'center'}})")
         for shown in ("verdict", "scene"):
             box = page.evaluate(f"element('{shown}').getBoundingClientRect().toJSON()")

@@ -92,7 +92,7 @@ def test_text_cannot_end_the_script_that_holds_it() -> None:
 def test_a_device_has_its_own_units() -> None:
     device = load_device(PEG, {})
     settings = STUDY.settings.settings
-    model = device_model(device.values, device.units, "peg.yaml", settings, INTERFACE)
+    model = device_model(device, settings, INTERFACE)
     by_name = {each["name"]: each for each in model["parameters"]}
     force = by_name["press_force"]
     assert model["baseline"]["press_force"] == pytest.approx(10.0)
@@ -108,7 +108,7 @@ def test_a_device_has_its_own_units() -> None:
 def test_a_round_part_has_a_hole_and_a_square_one_a_slot(shape: str, other: str) -> None:
     device = load_device(PEG, {})
     settings, of = STUDY.settings.settings, {**INTERFACE, "shape": shape}
-    model = device_model(device.values, device.units, "peg.yaml", settings, of)
+    model = device_model(device, settings, of)
     texts = ("outcomes", "reasons", "remedies", "remedies_of_reasons", "unvibrated")
     said = [*model["events"], *(words for each in texts for words in model[each].values())]
     assert not [words for words in said if other in words]

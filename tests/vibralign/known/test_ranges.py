@@ -1,8 +1,6 @@
 """Ranges of what is unknown: reading, refusals, and a verdict over what is possible."""
 
 import json
-import re
-import shlex
 from dataclasses import replace
 
 import numpy as np
@@ -155,13 +153,11 @@ def test_a_set_is_reliable_as_its_own_runs_say(tmp_path):
 
 
 def test_assess_answers_over_what_is_possible(tmp_path, capsys):
-    path, picture = device_file(tmp_path), tmp_path / "doubt.png"
-    command = ["assess", "--device", str(path), "--json", "--plot", str(picture)]
-    assert cli.main(command) == cli.DONE
+    path = device_file(tmp_path)
+    assert cli.main(["assess", "--device", str(path), "--json"]) == cli.DONE
     record = json.loads(capsys.readouterr().out)
     assert record["interval"][0] <= record["share"] <= record["interval"][1]
     assert {each["name"] for each in record["unknowns"]} == {"friction", "lateral_stiffness"}
-    assert picture.stat().st_size > 0
     command = ["assess", "--device", str(path), "--sheet", str(tmp_path / "a.html")]
     assert cli.main(command) == cli.REFUSED
     assert "while quantities are unknown" in capsys.readouterr().err
@@ -183,15 +179,13 @@ def test_a_share_that_only_the_horizon_limits_is_said(tmp_path, capsys):
     assert known_in_part(stuck, settings, **few).undecided == 0.0
 
 
-def test_the_details_of_ranges_say_what_is_assumed_and_what_to_run(tmp_path, capsys):
+def test_the_details_of_ranges_say_what_is_assumed(tmp_path, capsys):
     path = device_file(tmp_path)
     line = ["assess", "--details", "--horizon", "5 ms", "--device", str(path)]
     assert cli.main(line) == cli.DONE
     said = capsys.readouterr().out
     assert "\n  base        contact stiffness 1 MN/m (as stated)" in said
     assert "\n  horizon     5 ms" in said
-    [command] = re.findall(r"^details .*`(.*)`$", said, re.MULTILINE)
-    assert cli.main([*shlex.split(command)[1:], "--horizon", "5 ms"]) == cli.DONE
 
 
 def test_the_setting_covers_most_of_what_is_possible(tmp_path):

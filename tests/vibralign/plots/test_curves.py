@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-import xarray as xr
 
 from model.events.outcomes import Outcome
 from tests.vibralign.plots.drawn import NAN, curve_lines, grid, named
 from vibralign.plots import style
-from vibralign.plots.curves import curves, draw_settings, jumps
+from vibralign.plots.curves import curves, jumps
 from vibralign.plots.style import FAILED_LABEL
 
 # --- Jumps and axes -----------------------------------------------------------------------------
@@ -88,26 +87,3 @@ def test_failed_runs_are_marked_as_such(family):
 def test_a_family_that_never_aligns_is_drawn_too(family, tmp_path):
     family["tau_align"][:] = NAN
     style.write(curves(family), tmp_path / "never.pdf")
-
-
-def test_the_legend_of_settings_names_only_what_occurs():
-    stroke = "candidate", [1e-3, 1e-3, 3e-3, 1e-3], {"units": "m", "limit": 2e-3}
-    force = "candidate", [50.0, 30.0, np.nan, 50.0], {"units": "N", "limit": 40.0}
-    time = "candidate", [0.1, 0.1, np.nan, 0.1], {"units": "s", "limit": 0.3}
-    shares = ("candidate", [0.0, 1.0, 0.0, 1.0]), ("candidate", [0, 1, 0, 0])
-    settings = xr.Dataset({"share": shares[0], "within": shares[1], "stroke": stroke})
-    settings = settings.assign(contact_force=force, time=time)
-    for name in ("press_force", "friction"):
-        attributes = {"long_name": f"setting: {name}", "units": "N" if "force" in name else "1"}
-        settings[f"setting_{name}"] = ("candidate", [1.0, 2.0, 3.0, 4.0], attributes)
-    axes = draw_settings(settings.assign_attrs(recommended=1)).axes[0]
-    words = [text.get_text() for text in axes.get_legend().get_texts()]
-    title = axes.get_legend().get_title().get_text()
-    assert title == "limits: contact_force 40 N, time 300 ms, stroke 2 mm"
-    assert words.pop(2) == "goes in, but exceeds a limit: contact_force"
-    words = [text.partition(",")[0] for text in words]
-    over = "not tried: exceeds a limit of the vibrator"
-    assert words == ["does not go in", over, "goes in and keeps the limits", "recommended"]
-    (cross,) = named(axes.lines, over)
-    assert cross.get_xdata().tolist() == [3.0]
-    assert (axes.get_xlabel(), axes.get_ylabel()) == ("press_force (N)", "friction")

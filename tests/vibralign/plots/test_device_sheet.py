@@ -11,14 +11,13 @@ from model.runs.settings import Settings
 from vibralign.answers.assess import Assessment
 from vibralign.answers.leeways import Leeway
 from vibralign.commands import sheet
-from vibralign.commands.next_step import ranges_to_look
 from vibralign.device import load_device
+from vibralign.plots import device_sheet
 
-NAN = float("nan")
 PEG = Path(__file__).resolve().parents[2] / "square" / "devices" / "peg.yaml"
 VERDICT = ("reliable at the stated values; yield 100 % under the tolerances", True)
 LEEWAY = Leeway("misalignment", 0.6e-3, 0.2e-3, 0.7e-3, fails_above=0.71e-3)
-RESULT = Assessment(32, 32, 2.0, 3.0, None, leeways=(LEEWAY,))
+RESULT = Assessment(load_device(PEG), 32, 32, 2.0, 3.0, None, leeways=(LEEWAY,))
 GROUPS = {
     "Verdict": ["starts   aligns from 32 of 32 starts", "at most  19 N"],
     "Leeways": ["friction to 0.3"],
@@ -51,23 +50,14 @@ def test_the_cross_stands_at_the_stated_point_in_the_units_of_the_axes(tmp_path,
     """Both axes are drawn in mm, the device is in m."""
     monkeypatch.setattr(sheet, "_COUNT", 3)
     drawn = []
-    monkeypatch.setattr(sheet, "write", lambda figure, _: drawn.append(figure))
-    stated = load_device(PEG)
+    monkeypatch.setattr(device_sheet, "_picture", lambda figure: drawn.append(figure) or "")
+    stated = replace(load_device(PEG), free={})
     more = Leeway("amplitude", 1e-3, 0.9e-3, 4e-3, fails_below=0.89e-3)
-    result = Assessment(32, 32, 2.0, 3.0, None, leeways=(LEEWAY, more))
-    sheet.write_plot(tmp_path / "map.png", stated, result, Settings(horizon=40.0, tolerance=1e-6))
-    stuck = Assessment(32, 0, NAN, NAN, {"phase": 0.0}, nearest=())
+    result = replace(RESULT, leeways=(LEEWAY, more))
     settings = Settings(horizon=40.0, tolerance=1e-6)
-    bare = replace(stated, free={})
-    sheet.write_plot(tmp_path / "map.png", bare, stuck, settings)
-    assert sheet.runs_of_map(bare) == 3 * 3 + 2 * 2 * 48  # nodes, and all starts at every second
-    look = ranges_to_look(bare)  # the plane that the sheet proposes to map
-    assert drawn[1].axes[0].get_xlabel() == "amplitude (mm)"
-    assert drawn[1].axes[0].get_ylabel() == "press_force (N)"
-    ends = [1e3 * each for each in look["amplitude"]]
-    low, high = drawn[1].axes[0].get_xlim()
-    assert low < ends[0] < ends[1] < high
-    assert ends[0] - low < 0.3 * (ends[1] - ends[0])
+    sheet.write_sheet(tmp_path / "sheet.html", stated, VERDICT, GROUPS, result, settings)
+    assert sheet.runs_of_map(stated) == 3 * 3 + 2 * 2 * 48  # nodes, and all starts at every second
+    drawn = [figure for figure in drawn if figure.legends]
     axes = drawn[0].axes[0]
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("amplitude (mm)", "misalignment (mm)")
     [cross] = [line for line in axes.lines if line.get_marker() == "P"]

@@ -1,7 +1,5 @@
 """Maps: what no accepted picture of test_pictures.py shows, as maps of devices in SI units."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 import xarray as xr
@@ -11,11 +9,7 @@ from model.events.outcomes import Outcome, Unvibrated
 from study.plots import draw
 from tests.vibralign.plots.drawn import NAN, grid, named
 from vibralign.answers.si import readable
-from vibralign.device import load_device
-from vibralign.known.doubt import Unknown
-from vibralign.known.possible import Possible
 from vibralign.plots import style
-from vibralign.plots.known import doubt_map
 from vibralign.plots.maps import (
     ADDED_LABELS,
     RELIABLE_LABEL,
@@ -27,7 +21,6 @@ from vibralign.plots.maps import (
 from vibralign.plots.style import NOT_ALIGNED
 
 CELLS = 32
-BENCH = Path(__file__).resolve().parents[3] / "examples" / "bench.yaml"
 
 
 @pytest.fixture
@@ -181,13 +174,3 @@ def test_labels_of_contours_that_lie_close_together_do_not_cover_each_other():
     durations = np.tile(1.0 + 5.0 * np.clip(32.0 * columns - 16.0, 0.0, 1.0), (9, 1))
     axes = stability_map(grid("map", "press_force", "tilt_stiffness", durations)).axes[0]
     assert len(round_levels(durations.ravel())) > len(axes.texts) == 1
-
-
-@pytest.mark.parametrize(("share", "words"), [(0, "none of the"), (8, "all")])
-def test_one_verdict_for_all_that_is_possible_is_said_in_words(share, words):
-    sets = {"friction": np.linspace(0.1, 0.4, 8)}
-    unknowns = (Unknown("friction", NAN, NAN, NAN, NAN),)
-    found = Possible(sets, np.arange(8) < share, np.full(8, NAN), 16, unknowns)
-    figure = doubt_map(found, load_device(BENCH))
-    assert figure.axes[0].get_title("left").endswith(f"reliable in {words} 8 sets tried")
-    assert not figure.legends
