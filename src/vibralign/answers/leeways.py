@@ -20,7 +20,7 @@ import itertools
 import math
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -145,10 +145,9 @@ def leeways(
     ``is_late`` tells where devices fail by the horizon only; ``held`` are not varied. The steps are
     tried by ``roughly``, if given; ends, and parts of steps, by ``is_reliable``.
     """
-    ends, late = (
-        _unbroken(device, is_reliable, _ends(device, is_reliable, held, roughly=roughly)),
-        [],
-    )
+    may_differ = None if roughly is None else lambda values: ~roughly(values)
+    ends = _ends(device, is_reliable, held, may_differ, None, PARTS)
+    ends, late = _unbroken(device, is_reliable, ends), []
     beyond = [(each.parameter, each.other) for each in ends if each.other is not None]
     if is_late is not None and beyond:
         late = is_late(_swept(_own(device, held), beyond)).tolist()
@@ -172,7 +171,7 @@ def nearest(
     A parameter of which no value tried is reliable is left out; ``held`` are not varied. Values
     that ``may_be`` excludes, at less cost, are not tried.
     """
-    ends = _ends(device, lambda values: ~is_reliable(values), held, PARTS[:1], may_differ=may_be)
+    ends = _ends(device, lambda values: ~is_reliable(values), held, may_be, may_be, PARTS[:1])
     return tuple(
         Nearest(down.parameter, down.value, down.other, up.other)
         for down, up in zip(ends[::2], ends[1::2], strict=True)
@@ -230,12 +229,14 @@ def _ends(
     device: StatedDevice,
     are_alike: IsReliable,
     held: Names,
-    parts_of_step: Sequence[int] = PARTS,
-    *,
-    roughly: IsReliable | None = None,
-    may_differ: IsReliable | None = None,
+    may_differ: IsReliable | None,
+    parts_may_differ: IsReliable | None,
+    parts_of_step: Sequence[int],
 ) -> list[_End]:
-    """Return the end of the scan of each value that is not 0, downwards and upwards in turn."""
+    """Return the end of the scan of each value that is not 0, downwards and upwards in turn.
+
+    ``may_differ`` and ``parts_may_differ`` exclude steps, and parts of steps, at less cost.
+    """
     own = _own(device, held)
     names = [n for n, value in own.items() if value != 0.0 or n in ADDED for _ in range(2)]
     scans = [
@@ -243,24 +244,16 @@ def _ends(
         for name, step in zip(names, itertools.cycle((-1.0, 1.0)), strict=False)
     ]
     judged: dict[tuple[str, float], bool] = {}  # by ``are_alike``
-    known = _leading(own, names, scans, roughly or are_alike, {} if roughly else judged, may_differ)
-    ended = [i for i, (values, n) in enumerate(zip(scans, known, strict=True)) if n < len(values)]
-    if roughly is not None and ended:
-        some = {name: own[name] for name in names}
-        alike = are_alike(_swept(some, [(names[i], scans[i][known[i]]) for i in ended])).tolist()
-        wrong = [i for i, still in zip(ended, alike, strict=True) if still]
-        again = _leading(
-            own, [names[i] for i in wrong], [scans[i] for i in wrong], are_alike, judged
-        )
-        for i, n in zip(wrong, again, strict=True):
-            known[i] = n
+    known = _leading(own, names, scans, are_alike, judged, may_differ)
     for count in parts_of_step:
         open_ones = [i for i, (values, n) in enumerate(zip(scans, known, strict=True))
                      if n < len(values)]  # fmt: skip
         parts = [
             _divided(names[i], scans[i][known[i] - 1], scans[i][known[i]], count) for i in open_ones
         ]
-        finer = _leading(own, [names[i] for i in open_ones], parts, are_alike, judged, may_differ)
+        finer = _leading(
+            own, [names[i] for i in open_ones], parts, are_alike, judged, parts_may_differ
+        )
         for i, between, n in zip(open_ones, parts, finer, strict=True):
             scans[i], known[i] = [*between, scans[i][known[i]]], n
     return [
@@ -339,8 +332,8 @@ def _leading(
     """
     some, known = {name: own[name] for name in names}, [1] * len(scans)
 
-    def judge(tried: Sequence[tuple[str, float]], verdict: IsReliable) -> Iterable[bool]:
-        return verdict(_swept(some, tried)).tolist() if tried else []
+    def judge(tried: list[tuple[str, float]], verdict: IsReliable) -> dict[Any, bool]:
+        return dict(zip(tried, verdict(_swept(some, tried)).tolist(), strict=True)) if tried else {}
 
     for begin in range(1, max(map(len, scans), default=0), AT_ONCE):
         parts = {
@@ -350,15 +343,11 @@ def _leading(
         }
         tried = [each for each in _of_all(parts.values()) if each not in judged]
         if may_differ is None:
-            judged |= zip(tried, judge(tried, are_alike), strict=True)
+            judged |= judge(tried, are_alike)
         else:
-            judged |= {
-                each: True
-                for each, may in zip(tried, judge(tried, may_differ), strict=True)
-                if not may
-            }
+            judged |= {each: True for each, may in judge(tried, may_differ).items() if not may}
         while tried := _of_all(_next_to_try(part, judged) for part in parts.values()):
-            judged |= zip(tried, judge(tried, are_alike), strict=True)
+            judged |= judge(tried, are_alike)
         for i, part in parts.items():
             known[i] += [*(judged.get(each, False) for each in part), False].index(False)
     return known

@@ -99,8 +99,8 @@ def test_steps_may_be_tried_roughly_and_an_end_never_is(device):
     roughly, steps = oracle(device, press_force=(0.0, 2.9 * 0.95))
     is_reliable, parts = oracle(device, press_force=(0.0, 2.9))
     found = leeways(device, is_reliable, roughly=roughly)
-    # Ends, the scan that was wrong in two batches, parts, parts of a part, about the end.
-    assert (len(steps), len(parts)) == (STEPS // AT_ONCE, 6)
+    # Two steps of which one only seemed to fail, parts, parts of a part, about the end.
+    assert (len(steps), len(parts)) == (STEPS // AT_ONCE, 5)
     assert found == leeways(device, is_reliable)
 
 
