@@ -1,15 +1,11 @@
 """Directive `generated`: pages of the reference, made from the code that they describe."""
 
 import argparse
-import ast
-import inspect
-import itertools
 import os
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from docutils import nodes
-from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
@@ -20,7 +16,6 @@ from model.physics.parameters import FIELDS, Parameters
 from model.physics.units import UNITS
 from model.sweeps.io import unit_in_file
 from study import __main__ as of_study
-from study.config import Study
 from verification.bench.report.checks import CHECKS, HEAD, SPEED_HEAD, SPEEDS
 from vibralign.commands import main as of_tool
 
@@ -105,85 +100,6 @@ def _commands() -> str:
     return "\n\n".join(f"## `{name}`\n\n```text\n{_help_of(page)}\n```" for name, page in pages)
 
 
-def _type_of(schema: dict[str, Any]) -> str:
-    """Return the type that a JSON schema asks for, in words."""
-    if "$ref" in schema:
-        name = schema["$ref"].rpartition("/")[2]
-        return f"[{name}](#config-{name.lower()})"
-    for choice in ("anyOf", "oneOf"):
-        if choice in schema:
-            return " or ".join(_type_of(each) for each in schema[choice])
-    if "const" in schema:
-        return f"`{schema['const']}`"
-    if "enum" in schema:
-        return " or ".join(f"`{each}`" for each in schema["enum"])
-    if schema.get("type") == "array":
-        items = schema.get("prefixItems") or [schema.get("items", {})]
-        return "list of " + ", ".join(dict.fromkeys(_type_of(each) for each in items))
-    if schema.get("type") == "object":
-        values = schema.get("additionalProperties", True)
-        return "mapping of names to " + ("anything" if values is True else _type_of(values))
-    return str(schema.get("type", "anything"))
-
-
-_BOUNDS = {
-    "minimum": "≥ {}",
-    "exclusiveMinimum": "> {}",
-    "maximum": "≤ {}",
-    "exclusiveMaximum": "< {}",
-    "minItems": "at least {} items",
-    "minLength": "not empty",
-}
-
-
-def _keys(schema: dict[str, Any]) -> str:
-    required = schema.get("required", ())
-    rows = []
-    for name, key in schema.get("properties", {}).items():
-        bounds = [text.format(key[rule]) for rule, text in _BOUNDS.items() if rule in key]
-        kind = ", ".join([_type_of(key), *bounds])
-        default = "required" if name in required else f"`{key.get('default')}`"
-        meaning = key.get("description", "").replace("\n", " ")
-        rows.append((f"`{name}`", kind, default, meaning))
-    head = ("key", "type", "default", "meaning")
-    columns = 4 if any(row[3] for row in rows) else 3
-    return _table(head[:columns], (row[:columns] for row in rows))
-
-
-def _meanings(model: type) -> dict[str, str]:
-    """Return the docstrings below the keys of a section, by key.
-
-    pydantic could read them, but only when it makes a class: that would slow every job down.
-    """
-    (section,) = ast.parse(inspect.getsource(model)).body
-    return {
-        key.target.id: inspect.cleandoc(text.value.value)
-        for key, text in itertools.pairwise(section.body)
-        if isinstance(key, ast.AnnAssign) and isinstance(text, ast.Expr)
-    }
-
-
-class _Described(GenerateJsonSchema):
-    """The schema with the docstrings of the keys as descriptions."""
-
-    def model_schema(self, schema: Any) -> JsonSchemaValue:
-        made = super().model_schema(schema)
-        for model in schema["cls"].__mro__:
-            if model.__module__.startswith(("model.", "study.")):
-                for name, meaning in _meanings(model).items():
-                    made["properties"][name].setdefault("description", meaning)
-        return made
-
-
-def _configuration() -> str:
-    schema = Study.model_json_schema(schema_generator=_Described)
-    parts = [f"## The whole\n\n{_keys(schema)}"]
-    for name, each in sorted(schema["$defs"].items()):
-        text = each.get("description", "").partition("\n\n")[0].replace("\n", " ")
-        parts.append(f"(config-{name.lower()})=\n## {name}\n\n{text}\n\n{_keys(each)}")
-    return "\n\n".join(parts)
-
-
 def _variables_of(table: Mapping[str, Result]) -> str:
     rows = (
         (f"`{name}`", each.symbol or "", unit_in_file(each.quantity), each.explanation)
@@ -198,7 +114,6 @@ GENERATED: dict[str, Callable[[], str]] = {
     "speeds": lambda: _table((name.removeprefix(">") for name in SPEED_HEAD), SPEEDS),
     "commands": _commands,
     "events": _events,
-    "configuration": _configuration,
     "outcomes": _outcomes,
     "parameters": _parameters,
     "reasons": _reasons,
