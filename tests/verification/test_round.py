@@ -41,7 +41,7 @@ def tips(x, y, tilt):
 
 @pytest.mark.parametrize(("x", "tilt"), [(8e-4, 1e-3), (2e-4, 0.03), (-1.7e-3, 0.1)])
 def test_a_tilted_peg_stands_on_the_tips_of_the_crescent(x, tilt):
-    centre = motion.touching(x, 0.0, turned(tilt), SHAPE)
+    centre = motion.touching(x, turned(tilt), SHAPE)
     centre[1] -= 1e-9
     found = np.empty((motion.MOST, contact.FIELDS))
     count = contact.places(centre, turned(tilt), SHAPE, found)
@@ -57,7 +57,7 @@ def test_a_tilted_peg_stands_on_the_tips_of_the_crescent(x, tilt):
 
 
 def test_a_peg_tilted_away_stands_on_its_lowest_point():
-    centre = motion.touching(8e-4, 0.0, turned(-0.01), SHAPE)
+    centre = motion.touching(8e-4, turned(-0.01), SHAPE)
     centre[1] -= 1e-9
     found = np.empty((motion.MOST, contact.FIELDS))
     assert contact.places(centre, turned(-0.01), SHAPE, found) == 1
@@ -85,7 +85,7 @@ def test_the_press_tilts_the_peg_up_to_the_largest_misalignment(share, way):
 @pytest.mark.parametrize(("share", "moves"), [(0.97, False), (1.03, True)])
 def test_a_push_slides_the_tips_at_the_friction_of_the_wedge(share, moves):
     x, tilt = -5e-4, 0.08
-    start = motion.touching(x, 0.0, turned(tilt), SHAPE)
+    start = motion.touching(x, turned(tilt), SHAPE)
     p, along, _ = tips(x, start[1], tilt)
     lying, length = along * math.sin(tilt), SHAPE[2] * math.sin(tilt)
     limit = PEG["friction"] * math.hypot(p, length) / math.hypot(p, lying)  # μ w, equation T5
@@ -100,18 +100,9 @@ def test_a_push_slides_the_tips_at_the_friction_of_the_wedge(share, moves):
     far = start + np.array((push / device.stiffness[0], 0.0, 0.0))
     steps = round(2e-3 / step)
     motion.advance(
-        start,
-        turned(tilt),
-        np.zeros(3),
-        far,
-        SHAPE,
-        device,
-        epsilon,
-        step,
-        steps,
-        math.ceil(steps / 100),
-        track,
-    )
+        start, turned(tilt), np.zeros(3), far, SHAPE, device, epsilon, step, steps,
+        math.ceil(steps / 100), track,
+    )  # fmt: skip
     rows = track[np.isfinite(track[:, 0])]
     late = rows[len(rows) // 2 :]
     speed = np.polyfit(late[:, 0], late[:, 1], 1)[0]

@@ -187,7 +187,7 @@ def measured(plan: PrecisionPlan, case: str, method: str, truth: Truth) -> Itera
                 how.solve(problem, neighbours(problem.cases, count), resolution, math.inf)
 
             known = seconds if how.batch == 1 else None
-            microseconds = cpu_microseconds(work, least_batch(how, seconds), known)
+            microseconds = cpu_microseconds(work, how.batch, known)
         evaluations = solution.evaluations or 0
         yield Setting(
             case, truth.outcome.name.lower(), truth.uncertainty, truth.events, method, resolution,
@@ -203,17 +203,6 @@ _REPEATS = 5
 _PATIENCE = 0.02  # seconds; a run that takes longer is timed once
 _LONG_ENOUGH = 0.005  # seconds that a timed batch should take
 _LARGEST_BATCH = 16
-_WORTHWHILE = 0.05  # seconds of runs that share the cost of a call, one or two milliseconds
-
-
-def least_batch(how: Method, seconds: float) -> int:
-    """Return the number of runs to time together, where one takes about ``seconds``.
-
-    Without vectors, a batch only spreads the cost of a call, which is negligible for long runs.
-    """
-    if how.vectorized:
-        return how.batch
-    return max(1, min(how.batch, int(_WORTHWHILE / max(seconds, 1e-9))))
 
 
 def cpu_microseconds(

@@ -22,6 +22,7 @@ RUNS_ON, ALIGNED, OUT_OF_RANGE = 0, 1, 2
 MOST = 16  # places of contact at once
 CLEAR = 90  # points of a rim that are looked at for the end of a run
 LOOK = 8  # steps between two looks
+ROWS = 1000  # of a track
 
 
 class Device(NamedTuple):
@@ -189,15 +190,15 @@ def device_of(q: Mapping[str, float], phase: float = 0.0) -> tuple[Device, Shape
     return device, (a, q["half_height"], a * (1.0 + q["clearance"]))
 
 
-def touching(x: float, z: float, r: Floats, shape: Shape) -> Floats:
+def touching(x: float, r: Floats, shape: Shape) -> Floats:
     """Return the centre of mass of a peg that just touches the base, by bisection of its height."""
     found = np.empty((MOST, FIELDS))
     low, high = shape[1] - 2.0 * shape[0], shape[1] + 2.0 * shape[0]
     for _ in range(60):
         y = 0.5 * (low + high)
-        touches = places(np.array((x, y, z)), r, shape, found) > 0
+        touches = places(np.array((x, y, 0.0)), r, shape, found) > 0
         low, high = (y, high) if touches else (low, y)
-    return np.array((x, 0.5 * (low + high), z))
+    return np.array((x, 0.5 * (low + high), 0.0))
 
 
 def step_of(device: Device, shape: Shape, epsilon: float) -> float:
@@ -211,22 +212,20 @@ def step_of(device: Device, shape: Shape, epsilon: float) -> float:
 
 def simulate(
     quantities: Mapping[str, float], *, epsilon: float, horizon: float, phase: float = 0.0,
-    tilt: float = 1e-3, aside: tuple[float, float] = (0.0, 0.0), finer: float = 1.0,
-    rows: int = 1000,
+    tilt: float = 1e-3,
 ) -> Run:  # fmt: skip
     """Return the run of a device from rest, touching the base and tilted towards the hole.
 
-    ``epsilon`` in m/s smooths friction; ``finer`` divides the step; ``aside`` moves the start and
-    the rest of the springs out of the plane of symmetry, in m. With an ``approach_speed`` the peg
-    is lowered while it vibrates; ``tilt`` and ``phase`` are then those of the descent.
+    ``epsilon`` in m/s smooths friction. With an ``approach_speed`` the peg is lowered while it
+    vibrates; ``tilt`` and ``phase`` are then those of the descent.
     """
     device, shape = device_of(quantities, phase)
-    step = step_of(device, shape, epsilon) / finer
+    step = step_of(device, shape, epsilon)
     steps = math.ceil(horizon / step)
-    every = math.ceil(steps / rows)
+    every = math.ceil(steps / ROWS)
     track = np.full((math.ceil(steps / every), 9), np.nan)
     x, r = quantities["misalignment"], turned(np.eye(3), np.array((0.0, 0.0, 1.0)), tilt)
-    start, rest = touching(x, aside[0], r, shape), np.array((x, shape[1], aside[1]))
+    start, rest = touching(x, r, shape), np.array((x, shape[1], 0.0))
     v = np.zeros(3)
     if "approach_speed" in quantities:
         device, (start[1], v[1]) = lowered(device, quantities["approach_speed"], start[1], rest[1])

@@ -23,14 +23,12 @@ class Method:
             tolerance, and the method locates all events.
         stages: evaluations of a fixed step.
         batch: number of trajectories in a call.
-        vectorized: True if the trajectories of a batch run in vectors.
     """
 
     name: str
     fixed: bool = False
     stages: int = 1
     batch: int = 1
-    vectorized: bool = False
     _is_warm: bool = False
 
     def solve(

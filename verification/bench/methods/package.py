@@ -19,8 +19,6 @@ class Package(Method):
     States come from single runs, because ``align`` returns none.
     """
 
-    vectorized = True
-
     def __init__(self, name: str, batch: int = 1024) -> None:
         self.name, self.batch = name, batch
 
