@@ -59,14 +59,12 @@ TINY: dict[str, Any] = {
     "precision": {
         "ladder": {
             "tolerances": [1e-3, 1e-6],
-            "steps": [0.01],
             "max_evaluations": 20_000,
         },
         "cases": {"never_aligning": {"until": 3.0}},
         "hard": {
             "ladder": {
                 "tolerances": [1e-3],
-                "steps": [0.01],
                 "max_evaluations": 2_000,
             },
             "base": {"stiffness": [1e2, 1e4], "damping": [1.0], "until": 0.1},

@@ -1,4 +1,4 @@
-"""Results of the small study, made-up datasets and the comparison of methods, as fixtures."""
+"""Results of the small study, made-up datasets, errors and costs, as fixtures."""
 
 from tests.comparison_data import timed_settings
 from tests.study.report_data import datasets, lines, rendered, root, study

@@ -17,7 +17,6 @@ from study.plans import sweep_of
 from study.report import page as report_page
 from study.report.section import Results
 from tests.vibralign.plots.drawn import jamming_data
-from verification.bench.plans import PICTURE
 from verification.bench.report import SECTIONS
 from verification.bench.work_precision import table_of as settings_table
 
@@ -143,7 +142,7 @@ def root(study, datasets, lines, timed_settings, tmp_path_factory):
     (root / "benchmarks/precision.csv").write_text(measured, encoding="utf-8")
     drawn = "jamming", "fig13_vibration", "fig13_round"
     places = [f"figures/{name}" for name in (*study.figures, *drawn)]
-    for place in (*places, PICTURE):
+    for place in places:
         (root / f"{place}.png").write_bytes(PIXEL)
     return root
 

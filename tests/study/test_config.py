@@ -76,7 +76,6 @@ REFUSED = [
     ("evidence.others", {"wdie": {}}, ["others.wdie", "'wide'", "wdie.fig05.friction: missing"]),
     ("evidence.others", {"wide": {"widht": 1.0}}, ["others.wide.widht: no unknown"]),
     ("precision.ladder.tolerances", [1e-3, 1e-2], ["[0.001, 0.01]", "must fall"]),
-    ("precision.ladder.steps", [0.1, 0.0], ["steps = [0.1, 0.0]", "> 0"]),
     ("precision.ladder.true_tolerance", 1e-9, ["true_tolerance = 1e-09", "smaller than all"]),
 ]
 
@@ -178,7 +177,7 @@ def test_smoke_changes_only_sizes() -> None:
         "evidence": {"near", "assumptions"},
         "accuracy": {"sets", "chunks", "sets_a_job"},
         "precision": {
-            "tolerances", "steps", "max_evaluations", "independent",
+            "tolerances", "max_evaluations", "independent",
             "stiffness", "damping", "until",
         },
         "jamming": {"count"},

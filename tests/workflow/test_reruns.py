@@ -18,7 +18,7 @@ import pytest
 PROJECT = Path(__file__).resolve().parents[2]
 
 LAST = {"report"}
-COMPARED = {"precision", "draw_methods"}
+COMPARED = {"precision"}
 METHODS = {*COMPARED, *LAST}
 JUDGED = {"claims", *LAST}
 DRAWN = {"plot", *JUDGED}
@@ -28,13 +28,13 @@ COMPUTED = {
 }  # fmt: skip
 KERNELS = {"kernels", "page_engines"}
 EVERYTHING = {*KERNELS, "schematic", *COMPUTED}
-PICTURES = {"schematic", "plot", "draw_methods", *LAST}
+PICTURES = {"schematic", "plot", *LAST}
 EDIT = ("\nfrom ", "\nEDITED = True\nfrom ")
 
 # (file, what stands there, what an edit puts there, the rules that must run again)
 EDITS = [
     ("src/model/engine/step.py", *EDIT, {*KERNELS, *COMPUTED}),
-    ("verification/bench/methods/by_hand.py", *EDIT, METHODS),
+    ("verification/bench/methods/package.py", *EDIT, METHODS),
     ("src/study/claims/claims.yaml", "the regime is non-impact", "contact is kept",
      {"cases", *JUDGED}),
     ("src/vibralign/plots/maps.py", "_SPREAD_FOR_LOG = 8.0", "_SPREAD_FOR_LOG = 9.0",
@@ -157,7 +157,7 @@ STATED = [
     ({"figures": {"fig13": {"chunks": 2}}}, {"chunk", "merge", "explorer", *DRAWN}),
     ({"settings": {"tolerance": 1e-9}}, COMPUTED),
 ]  # fmt: skip
-OF_ALL = {"explorer", "draw_methods", "claims", *WEIGHED}
+OF_ALL = {"explorer", "claims", *WEIGHED}
 
 
 @pytest.mark.nightly

@@ -1,4 +1,4 @@
-"""The package against other methods: for a section of the report, and for ``make bench``.
+"""Error against cost: for a section of the report, and against other methods by ``make bench``.
 
 Not in the wheel. Methods are compared by their cost at the same true error. True values are
 the independent solution's in the report's usual cases, else the package's own at a far smaller
@@ -7,15 +7,14 @@ tolerance.
 Shared by both:
 
 - ``problems``: parameter sets to run, and solutions
-- ``methods``: ways to solve a problem; ``METHODS`` for the report, ``peers`` for ``make bench``
-- ``equations``: the peers' own statement of the physics, its modes and events
-- ``work_precision.climbed``: the ladder of tolerances or steps, from coarse to fine
+- ``methods``: ways to solve a problem: the package, and ``peers`` for ``make bench``
+- ``work_precision.climbed``: the ladder of tolerances, from coarse to fine
 
 The report's section, with data and CPU times from the workflow:
 
 - ``plans``: what it computes, from the configuration
 - ``work_precision``: cost against true error, on usual and on hard cases
-- ``report``: the section and its figures
+- ``report``: the section
 
 ``make bench`` runs in an environment of its own (``.venv-bench``), which the study never needs;
 ``make bench BENCH_FLAGS=--quick`` gives a rough table. A method climbs the ladder to the first
@@ -23,6 +22,7 @@ tolerance with a true error of at most 1e-8, and is timed there: compiled, on on
 rounds in which all methods take turns. Results: the table on the terminal, and
 ``results/benchmarks/peers.csv`` with the same numbers.
 
+- ``equations``: the peers' own statement of the physics, its modes and events
 - ``trajectories``: the problems
 - ``table``: settings, times and ratios
 """

@@ -1,4 +1,4 @@
-"""Plan of the comparison of methods: without texts, so that new wording computes nothing."""
+"""Plan of error against cost: without texts, so that new wording computes nothing."""
 
 from typing import TYPE_CHECKING
 
@@ -10,8 +10,6 @@ from study.config.methods import Ladder
 if TYPE_CHECKING:
     from study.config.study import Study
 
-PICTURE = "benchmarks/precision"  # its path, below the results root and without extension
-
 
 class CasePlan(Plan):
     """Numbers of one case.
@@ -19,7 +17,7 @@ class CasePlan(Plan):
     Attributes:
         parameters: the operating point.
         until: time τ at which a run ends that has not aligned.
-        ladder: tolerances, steps and limits of evaluations.
+        ladder: tolerances and limit of evaluations.
         independent: True if the independent solution gives its true solution.
     """
 
@@ -30,14 +28,14 @@ class CasePlan(Plan):
 
 
 class PrecisionPlan(Plan):
-    """Plan of the comparison of methods: cases by name, the hard ones last."""
+    """Plan of error against cost: cases by name, the hard ones last."""
 
     cases: dict[str, CasePlan]
     settings: RunSettings
 
 
 def precision_plan(study: "Study") -> PrecisionPlan:
-    """Return the comparison of a study."""
+    """Return the plan of a study."""
     precision, hard = study.precision, study.precision.hard
     cases = {
         name: CasePlan(

@@ -26,7 +26,7 @@ _SPREAD = 1e-3  # relative spread of the press force among neighbours
 
 
 class Verdict(IntEnum):
-    """Verdict on a method's solution; the values are the flags in the dataset."""
+    """Verdict on a solution."""
 
     RIGHT_OUTCOME = 0
     WRONG_OUTCOME = 1

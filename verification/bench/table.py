@@ -83,7 +83,7 @@ def loosest(method: Method, problem: Problem, budget: float) -> Row:
 
     row = Row(problem.name, method.name, events=problem.events)
     try:
-        for tolerance, solution, _ in climbed(method, problem, warmed(), budget):
+        for tolerance, solution in climbed(method, problem, warmed(), budget):
             error = typical_error(problem.answers(solution), problem.truth)
             if error <= TARGET:
                 return replace(row, tolerance=tolerance, true_error=error)

@@ -1,11 +1,11 @@
-"""Error against cost: every method on every case, from coarse to fine.
+"""Error against cost: the package on every case, from coarse to fine.
 
 Cases are an operating point of each kind of motion, and scenes that are hard to integrate. The true
 solution is the independent one (``verification.independent``), or, where that takes too long, that
-of the package at a far smaller tolerance. Errors and evaluations are the
-same in every build; CPU times are not, and are kept in a table of their own.
+of the package at a far smaller tolerance. Errors and evaluations are the same in every build; CPU
+times are not, and are kept in a table of their own.
 
-``make bench`` also uses ``climbed``, the ladder of resolutions, and ``cpu_microseconds``, the time
+``make bench`` also uses ``climbed``, the ladder of tolerances, and ``cpu_microseconds``, the time
 of a trajectory.
 """
 
@@ -21,14 +21,14 @@ from model.events.outcomes import Outcome
 from model.physics.parameters import Batch, Parameters
 from model.physics.variants import Variants
 from study.csv_tables import read_records, records_text
-from verification.bench.methods import METHODS
 from verification.bench.methods.base import Method, NotReachedError
-from verification.bench.plans import CasePlan, PrecisionPlan
+from verification.bench.methods.package import Package
+from verification.bench.plans import PrecisionPlan
 from verification.bench.problems import Floats, Problem, Solution, Verdict, last_state, neighbours
 from verification.independent.stored import solution_of
 
 _COARSER_TRUTH = 100.0  # tolerance of the second true run over that of the first
-_SHARES = (0.01, 0.1, 0.95)  # of the evaluations allowed; a late fall takes a few more
+_TOGETHER = 16  # runs that spread the cost of a call, where they are short
 _TRUE_EVALUATIONS = 2_000_000_000  # true runs have no practical limit
 _CERTAIN = 1e-5  # largest uncertainty of a truth with which errors are measured
 # How the independent solution ends, by the engine's outcome.
@@ -54,16 +54,13 @@ class Truth:
 
     @property
     def certain(self) -> bool:
-        """True if errors can be measured.
-
-        Other methods do not locate the event at which a part leaves: its state there has no error.
-        """
+        """True if errors can be measured; where a part leaves, outcomes are compared alone."""
         return self.outcome != Outcome.LEFT_SCENE and self.uncertainty <= _CERTAIN
 
 
 @dataclass(frozen=True)
 class Setting:
-    """Result of one method on one case at one resolution, a length of steps or a tolerance.
+    """Result of the package on one case at one tolerance.
 
     ``outcome``, ``uncertainty`` and ``events``, the number of events, are those of the true run.
     ``error`` is that of the alignment time, or of the state where the case does not align; NaN
@@ -75,8 +72,7 @@ class Setting:
     outcome: str
     uncertainty: float
     events: int
-    method: str
-    resolution: float
+    tolerance: float
     error: float
     rhs_evaluations: int
     verdict: Verdict
@@ -138,60 +134,42 @@ def error_of(solution: Solution, truth: Truth) -> tuple[float, Verdict]:
 
 
 def climbed(
-    how: Method, problem: Problem, resolutions: Iterable[float], budget: float = math.inf
-) -> Iterator[tuple[float, Solution, float]]:
-    """Yield (resolution, solution, CPU seconds) from coarse to fine; a failed solution is NaN.
+    how: Method, problem: Problem, tolerances: Iterable[float], budget: float = math.inf
+) -> Iterator[tuple[float, Solution]]:
+    """Yield (tolerance, solution) from coarse to fine; a failed solution is NaN.
 
     Raises:
-        NotReachedError: the solutions take more than ``budget`` seconds.
+        NotReachedError: the solutions take more than ``budget`` CPU seconds.
     """
-    for resolution in resolutions:
+    for tolerance in tolerances:
         if budget <= 0.0:
             raise NotReachedError("out of time")
         started = time.process_time()
         try:
-            solution = how.answer(problem, resolution, time.process_time() + budget)
-        except NotReachedError:  # a finer resolution may get there
+            solution = how.answer(problem, tolerance, time.process_time() + budget)
+        except NotReachedError:  # a finer tolerance may get there
             solution = problem.solution(np.full_like(problem.truth, math.nan), None)
-        seconds = time.process_time() - started
-        budget -= seconds
-        yield resolution, solution, seconds
+        budget -= time.process_time() - started
+        yield tolerance, solution
 
 
-def resolutions_for(how: Method, case: CasePlan, truth: Truth) -> Sequence[float]:
-    """Return the tolerances or steps of a method on a case, from coarse to fine.
-
-    Without stated steps, they are chosen so that the run up to its true end takes ``_SHARES`` of
-    the evaluations allowed.
-    """
-    ladder = case.ladder
-    if not how.fixed:
-        return ladder.tolerances
-    if ladder.steps is not None:
-        return ladder.steps
-    end = truth.end or case.until
-    return [end * how.stages / (share * ladder.max_evaluations) for share in _SHARES]
-
-
-def measured(plan: PrecisionPlan, case: str, method: str, truth: Truth) -> Iterator[Setting]:
-    """Yield a method's settings on one case from coarse to fine, up to the first over the limit."""
-    problem, how = problem_of(plan, case), METHODS[method]
-    resolutions = resolutions_for(how, plan.cases[case], truth)
-    how.warm(problem, resolutions[0])
-    for resolution, solution, seconds in climbed(how, problem, resolutions):
+def measured(plan: PrecisionPlan, case: str, truth: Truth) -> Iterator[Setting]:
+    """Yield the settings of one case from coarse to fine, up to the first over the limit."""
+    problem, how = problem_of(plan, case), Package("vibralign", _TOGETHER)
+    tolerances = plan.cases[case].ladder.tolerances
+    how.warm(problem, tolerances[0])
+    for tolerance, solution in climbed(how, problem, tolerances):
         error, verdict = error_of(solution, truth)
         microseconds = math.nan
         if verdict == Verdict.RIGHT_OUTCOME:
 
-            def work(count: int, resolution: float = resolution) -> None:
-                how.solve(problem, neighbours(problem.cases, count), resolution, math.inf)
+            def work(count: int, tolerance: float = tolerance) -> None:
+                how.solve(problem, neighbours(problem.cases, count), tolerance, math.inf)
 
-            known = seconds if how.batch == 1 else None
-            microseconds = cpu_microseconds(work, how.batch, known)
-        evaluations = solution.evaluations or 0
+            microseconds = cpu_microseconds(work, _TOGETHER)
         yield Setting(
-            case, truth.outcome.name.lower(), truth.uncertainty, truth.events, method, resolution,
-            error, evaluations, verdict, microseconds,
+            case, truth.outcome.name.lower(), truth.uncertainty, truth.events, tolerance, error,
+            solution.evaluations or 0, verdict, microseconds,
         )  # fmt: skip
         if verdict == Verdict.TOO_MANY_EVALUATIONS:
             return
@@ -205,17 +183,14 @@ _LONG_ENOUGH = 0.005  # seconds that a timed batch should take
 _LARGEST_BATCH = 16
 
 
-def cpu_microseconds(
-    work: Callable[[int], object], together: int = 1, known: float | None = None
-) -> float:
+def cpu_microseconds(work: Callable[[int], object], together: int = 1) -> float:
     """Return the CPU time (µs) of a run, the median of batches.
 
     Args:
         work: ``work(count)`` makes ``count`` runs; it must be compiled.
         together: smallest number of runs in a batch.
-        known: seconds that ``together`` runs took before; long runs are then not repeated.
     """
-    once = _cpu_seconds(work, together) if known is None else known
+    once = _cpu_seconds(work, together)
     if once > _PATIENCE:
         return 1e6 * once / together
     fitting = int(_LONG_ENOUGH * together / max(once, 1e-9))
@@ -230,7 +205,7 @@ def _cpu_seconds(work: Callable[[int], object], count: int) -> float:
     return time.process_time() - started
 
 
-_FORMATS = {"uncertainty": ".1e", "resolution": "g", "error": ".3e", "microseconds": ".1f"}
+_FORMATS = {"uncertainty": ".1e", "tolerance": "g", "error": ".3e", "microseconds": ".1f"}
 
 
 def table_of(settings: Sequence[Setting], *, times: bool) -> str:

@@ -1,10 +1,9 @@
-"""Comparison of methods: error against cost, on usual and on hard cases.
+"""Error against cost, on usual and on hard cases.
 
-Errors and evaluations are the same in every build. CPU times are not: they are kept in benchmarks/
-with the picture that is made from them.
+Errors and evaluations are the same in every build. CPU times are not: they are kept in benchmarks/.
 """
 
-from verification.bench.plans import PICTURE, precision_plan
+from verification.bench.plans import precision_plan
 
 
 # One job for both outputs, so that the most expensive runs are made once.
@@ -22,29 +21,6 @@ rule precision:
         *code("precision"),
         plan=stated(precision_plan(study)),
     message:
-        "comparing the methods: error, evaluations and CPU time"
+        "measuring error, evaluations and CPU time"
     script:
         "../scripts/precision.py"
-
-
-rule draw_methods:
-    input:
-        times="<results>/benchmarks/precision.csv",
-    output:
-        [f"<results>/{PICTURE}.{kind}" for kind in ("svg", "pdf")],
-        png=report(
-            f"<results>/{PICTURE}.png",
-            caption="../report/methods.rst",
-            category="Methods",
-        ),
-        record="<results>/benchmarks/methods.run.json",
-    log:
-        "<results>/logs/draw_methods.log",
-    localrule: True
-    params:
-        *code("draw_methods"),
-        cases={name: case.title for name, case in study.precision.cases.items()},
-    message:
-        "drawing the comparison of methods"
-    script:
-        "../scripts/draw_methods.py"

@@ -3,7 +3,6 @@
 IF_ROUND = [name for name in PLANES if study.spec_of(name).shape == "round"]  # beside the figures
 shown = [
     *(f"figures/{figure}" for figure in sorted(study.figures)),
-    PICTURE,
     "figures/jamming",
     *(f"figures/{map}_vibration" for map in WITH_VIBRATION if map in study.named("map")),
     *(f"figures/{name}" for name in IF_ROUND),

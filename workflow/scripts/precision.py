@@ -1,20 +1,15 @@
-"""Compare all methods on all cases: errors and evaluations as data, CPU times beside them."""
+"""Run all cases at all tolerances: errors and evaluations as data, CPU times beside them."""
 
 from pathlib import Path
 
 from model.sweeps.files import write_text
 from study.tracking.records import recorded, snakemake
-from verification.bench.methods import METHODS
 from verification.bench.plans import PrecisionPlan
-from verification.bench.work_precision import Setting, measured, table_of, true_run
+from verification.bench.work_precision import measured, table_of, true_run
 
 with recorded(snakemake) as metadata:
     plan = PrecisionPlan.model_validate(snakemake.params.plan)
-    settings: list[Setting] = []
-    for case in plan.cases:
-        truth = true_run(plan, case)
-        for method in METHODS:
-            settings += measured(plan, case, method, truth)
+    settings = [each for case in plan.cases for each in measured(plan, case, true_run(plan, case))]
     write_text(table_of(settings, times=False), Path(snakemake.output.data))
     write_text(table_of(settings, times=True), Path(snakemake.output.times))
     metadata |= {"config_hash": plan.identity, "settings": plan.settings.model_dump(mode="json")}

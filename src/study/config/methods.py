@@ -1,4 +1,4 @@
-"""Comparison of methods: cost against error, on usual and on hard cases."""
+"""Cost against error, on usual and on hard cases."""
 
 from pydantic import Field, model_validator
 
@@ -7,7 +7,7 @@ from study.config.base import Falling, ParameterValues, Text
 
 
 class Case(Strict):
-    """Operating point at which methods are compared.
+    """Operating point at which error and cost are measured.
 
     Without ``until`` the part must align, and the error is that of the alignment time. With it, the
     error is that of the state at τ = ``until``, before any alignment.
@@ -26,17 +26,14 @@ class Case(Strict):
 
 
 class Ladder(Strict):
-    """Tolerances of the adaptive methods, steps of the others, and the reference solution."""
+    """Tolerances of the runs and of the true run."""
 
     tolerances: Falling
-    """Tolerances of the adaptive methods, falling."""
-    steps: Falling | None = None
-    """Step lengths of the fixed-step methods, falling; null for steps with which the run takes a
-    hundredth, a tenth and nearly all of the evaluations allowed."""
+    """Tolerances, falling."""
     true_tolerance: Tolerance
-    """Tolerance of the reference solution, by the default method."""
+    """Tolerance of the true run."""
     max_evaluations: int = Field(ge=1)
-    """Evaluations after which a method ends its ladder."""
+    """Evaluations after which the ladder ends."""
 
     @model_validator(mode="after")
     def _gets_finer(self) -> "Ladder":
@@ -60,7 +57,7 @@ class HardCase(Strict):
     until: float = Field(gt=0.0)
     """Time τ at which the run ends."""
     max_evaluations: int | None = Field(default=None, ge=1)
-    """Evaluations after which a method ends its ladder; null for the section's."""
+    """Evaluations after which the ladder ends; null for the section's."""
 
 
 class StiffnessCases(Strict):
@@ -80,7 +77,7 @@ class HardCases(Strict):
     """Cases that are hard to integrate, and how they are solved."""
 
     ladder: Ladder
-    """Tolerances, steps and limits of evaluations on these cases."""
+    """Tolerances and limit of evaluations on these cases."""
     independent: list[str] = Field(default_factory=list)
     """Cases whose true solution is the independent one, which takes seconds of some."""
     base: StiffnessCases
@@ -109,7 +106,7 @@ class Precision(Strict):
     cases: dict[str, Case] = Field(min_length=1)
     """Cases that are compared, by name."""
     ladder: Ladder
-    """Tolerances and steps of the methods."""
+    """Tolerances and limit of evaluations."""
     hard: HardCases
     """Cases that are hard to integrate."""
 

@@ -1,4 +1,4 @@
-"""Made-up results of the comparison of methods, as fixtures."""
+"""Made-up errors and costs, as fixtures."""
 
 from tests.comparison_data import timed_settings
 

@@ -1,4 +1,4 @@
-"""The interface of methods: a method integrates a problem at a resolution."""
+"""The interface of methods: a method integrates a problem at a tolerance."""
 
 import contextlib
 import math
@@ -19,20 +19,15 @@ class Method:
 
     Attributes:
         name: name in tables and legends.
-        fixed: True if the resolution is the length of a step, across events; False if it is a
-            tolerance, and the method locates all events.
-        stages: evaluations of a fixed step.
         batch: number of trajectories in a call.
     """
 
     name: str
-    fixed: bool = False
-    stages: int = 1
     batch: int = 1
     _is_warm: bool = False
 
     def solve(
-        self, problem: Problem, cases: Sequence[Parameters], resolution: float, deadline: float, /
+        self, problem: Problem, cases: Sequence[Parameters], tolerance: float, deadline: float, /
     ) -> Solution:
         """Integrate the cases; this call is timed.
 
@@ -41,11 +36,11 @@ class Method:
         """
         raise NotImplementedError
 
-    def answer(self, problem: Problem, resolution: float, deadline: float = math.inf) -> Solution:
+    def answer(self, problem: Problem, tolerance: float, deadline: float = math.inf) -> Solution:
         """Integrate the cases of the problem to measure errors; by default as ``solve``."""
-        return self.solve(problem, problem.cases, resolution, deadline)
+        return self.solve(problem, problem.cases, tolerance, deadline)
 
-    def warm(self, problem: Problem, resolution: float) -> None:
+    def warm(self, problem: Problem, tolerance: float) -> None:
         """Compile what ``solve`` needs for the problem; this call is not timed."""
         if not self._is_warm:
             self._is_warm = True

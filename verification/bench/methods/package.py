@@ -23,37 +23,37 @@ class Package(Method):
         self.name, self.batch = name, batch
 
     def solve(
-        self, problem: Problem, cases: Sequence[Parameters], resolution: float, _deadline: float, /
+        self, problem: Problem, cases: Sequence[Parameters], tolerance: float, _deadline: float, /
     ) -> Solution:
         """As ``Method.solve``."""
-        runs = align(cases, _settings(problem, resolution), cores=1)
+        runs = align(cases, _settings(problem, tolerance), cores=1)
         return _of_times(problem, runs.tau_align, runs.rhs_evaluations)
 
-    def answer(self, problem: Problem, resolution: float, _deadline: float = math.inf) -> Solution:
+    def answer(self, problem: Problem, tolerance: float, _deadline: float = math.inf) -> Solution:
         """As ``Method.answer``."""
-        return simulated(problem, _settings(problem, resolution))
+        return simulated(problem, _settings(problem, tolerance))
 
 
 class OneRun(Package):
     """The package used like a peer: one run of a set up to alignment, no error estimate."""
 
     def solve(
-        self, problem: Problem, cases: Sequence[Parameters], resolution: float, _deadline: float, /
+        self, problem: Problem, cases: Sequence[Parameters], tolerance: float, _deadline: float, /
     ) -> Solution:
         """As ``Method.solve``."""
-        settings = replace(_settings(problem, resolution), alignment_only=True, may_settle=False)
+        settings = replace(_settings(problem, tolerance), alignment_only=True, may_settle=False)
         runs = run_once(Batch.stack(cases), settings, cores=1)
         return _of_times(problem, runs["tau_align"], runs["rhs_evaluations"])
 
-    def answer(self, problem: Problem, resolution: float, deadline: float = math.inf) -> Solution:
+    def answer(self, problem: Problem, tolerance: float, deadline: float = math.inf) -> Solution:
         """As ``Method.answer``; without checkpoints as ``solve``."""
         if problem.checkpoints:
-            return ran_once(problem, _settings(problem, resolution))
-        return self.solve(problem, problem.cases, resolution, deadline)
+            return ran_once(problem, _settings(problem, tolerance))
+        return self.solve(problem, problem.cases, tolerance, deadline)
 
 
-def _settings(problem: Problem, resolution: float) -> Settings:
-    return replace(problem.settings, tolerance=resolution)
+def _settings(problem: Problem, tolerance: float) -> Settings:
+    return replace(problem.settings, tolerance=tolerance)
 
 
 def _of_times(problem: Problem, tau: np.ndarray, evaluations: np.ndarray) -> Solution:

@@ -1,4 +1,4 @@
-"""Section of the report on the comparison of methods, and its figures."""
+"""Section of the report on error against cost."""
 
 from verification.bench.report import speed
 

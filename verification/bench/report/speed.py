@@ -1,7 +1,8 @@
-"""Section on error against cost: what each method needs on each case."""
+"""Section on error against cost: what each case needs."""
 
 import math
 from collections.abc import Mapping, Sequence
+from itertools import takewhile
 from pathlib import Path
 
 from markupsafe import Markup
@@ -9,28 +10,22 @@ from markupsafe import Markup
 from model.engine.series_layout import ORDER
 from study.config.study import Study
 from study.report.section import Results, Section, Table, link, settings_of, subscripts
-from verification.bench.methods import METHODS
-from verification.bench.plans import PICTURE
-from verification.bench.report.advice import COARSE, FINE, advice, ladders, nearest, needs
+from verification.bench.problems import Verdict
 from verification.bench.report.checks import CHECKS, HEAD, SPEED_HEAD, SPEEDS, SPEEDS_BY
-from verification.bench.report.work_precision_plots import CAPTION
 from verification.bench.work_precision import Setting, read_settings
 from vibralign.plots.words import figure_title, number, power
+
+COARSE, FINE = 1e-5, 1e-8  # the errors of which the report tells the cost
 
 
 def section(results: Results) -> Section:
     """Return the section on error against cost."""
     precision = results.study.precision
     settings = read_settings(results.file("benchmarks/precision.csv"))
-    lead, *sentences = advice(settings, [*precision.cases])
     content = {
-        "sentences": [*sentences, _by_hand(settings)],
         "checked": _checked(settings, results.study),
         "cases": _cases(results.study),
-        "picture_of_times": results.picture(PICTURE, CAPTION),
-        "tables": [
-            (target, _needed(settings, target, precision.titles)) for target in (COARSE, FINE)
-        ],
+        "needed": _needed(settings, precision.titles),
         "usual": precision.ladder,
         "hard": precision.hard,
         "order": ORDER,
@@ -39,22 +34,48 @@ def section(results: Results) -> Section:
         "speeds_by": SPEEDS_BY,
     }
     template = Path(__file__).with_suffix(".html.j2")
+    lead = cost_of(settings, [*precision.cases])
     return Section("speed", "Error against cost", template, content, lead)
 
 
-def _by_hand(settings: Sequence[Setting]) -> str:
-    """Return in how many cases fixed steps, as one would write them by hand, are the faster."""
-    words = []
-    for target in (COARSE, FINE):
-        times: dict[str, dict[bool, float]] = {}  # by case, and by whether the steps are fixed
-        for (name, case), need in needs(settings, target).items():
-            least, fixed = times.setdefault(case, {}), METHODS[name].fixed
-            least[fixed] = min(least.get(fixed, math.inf), need.microseconds)
-        faster = [each.get(True, math.inf) < each.get(False, math.inf) for each in times.values()]
-        words.append(f"at {power(target)} in {sum(faster)} of {len(faster)}")
+def ladders(settings: Sequence[Setting]) -> dict[str, list[Setting]]:
+    """Return by case its settings from coarse to fine."""
+    found: dict[str, list[Setting]] = {}
+    for setting in settings:
+        found.setdefault(setting.case, []).append(setting)
+    return found
+
+
+def needs(settings: Sequence[Setting], target: float) -> dict[str, Setting]:
+    """Return by case the cheapest setting with a true error of at most ``target``.
+
+    A setting counts only if all finer ones keep the target too: an error that passes through zero
+    is luck. A case in which the target is not reached has no entry.
+    """
+    found: dict[str, Setting] = {}
+    for case, ladder in ladders(settings).items():
+        finished = [each for each in ladder if each.verdict != Verdict.TOO_MANY_EVALUATIONS]
+        # An error is NaN where the outcome is wrong, or where only the outcome can be compared.
+        kept = list(takewhile(lambda setting: setting.error <= target, reversed(finished)))
+        if kept:
+            found[case] = min(kept, key=lambda setting: setting.rhs_evaluations)
+    return found
+
+
+def nearest(ladder: Sequence[Setting]) -> Setting:
+    """Return the setting with the smallest known error; without one, the coarsest."""
+    return min(ladder, key=lambda each: math.inf if math.isnan(each.error) else each.error)
+
+
+def cost_of(settings: Sequence[Setting], cases: Sequence[str]) -> str:
+    """Return in words what it takes to keep ``FINE`` at an operating point of each motion."""
+    need = needs(settings, FINE)
+    times = sorted(need[case].microseconds for case in cases if case in need)
+    if len(times) < len(cases):
+        return f"The true error stays below {power(FINE)} in {len(times)} of {len(cases)} motions."
     return (
-        "Fixed steps, as one would write them by hand, take less time than this package "
-        f"{' and '.join(words)} of the cases in which either keeps the error."
+        f"A trajectory takes {times[0]:,.0f} to {times[-1]:,.0f} µs of one core to keep its true "
+        f"error below {power(FINE)}, in every kind of motion."
     )
 
 
@@ -95,43 +116,32 @@ def _cases(study: Study) -> Table:
     return Table(("case", "as in", "but with", ">until τ", "why"), [*usual, *hard])
 
 
-def _needed(settings: Sequence[Setting], target: float, titles: Mapping[str, str]) -> Table:
-    """Return a row for each case and a column for each method: its cost, or how near it comes."""
-    runs, need = ladders(settings), needs(settings, target)
-    first = {each.case: each for each in reversed(settings)}
+def _needed(settings: Sequence[Setting], titles: Mapping[str, str]) -> Table:
+    """Return a row for each case, with its cost at either error, or how near it comes."""
+    runs, need = ladders(settings), [needs(settings, target) for target in (COARSE, FINE)]
+    costs = (f">error below {power(target)}" for target in (COARSE, FINE))
     return Table(
-        (
-            "case",
-            "outcome",
-            ">truth known to",
-            ">events",
-            *(f">{method.name}" for method in METHODS.values()),
-        ),
+        ("case", "outcome", ">truth known to", ">events", *costs),
         [
             (
                 subscripts(title),
-                first[case].outcome.replace("_", " "),
-                power(first[case].uncertainty),
-                f"{first[case].events:,}",
-                *(
-                    _cell(runs.get((name, case)), need.get((name, case)), first[case].uncertainty)
-                    for name in METHODS
-                ),
+                runs[case][0].outcome.replace("_", " "),
+                power(runs[case][0].uncertainty),
+                f"{runs[case][0].events:,}",
+                *(_cell(runs[case], each.get(case)) for each in need),
             )
             for case, title in titles.items()
-            if case in first
+            if case in runs
         ],
     )
 
 
-def _cell(ladder: Sequence[Setting] | None, need: Setting | None, uncertainty: float) -> str:
+def _cell(ladder: Sequence[Setting], need: Setting | None) -> str:
     """Return time and evaluations of a run, pale if its error is below the truth's own."""
     if need is not None:
-        look = Markup(' class="soft"') if need.error < uncertainty else ""
+        look = Markup(' class="soft"') if need.error < need.uncertainty else ""
         words = Markup("<span{}>{:,.0f} µs<br>{:,}</span>")
         return words.format(look, need.microseconds, need.rhs_evaluations)
-    if ladder is None:
-        return "–"
     best = nearest(ladder)
     if math.isnan(best.error):
         return best.verdict.name.lower().replace("_", " ")
