@@ -15,7 +15,7 @@ TESTS = [
     f"tests/model/compile/test_{each}.py"
     for each in (
         "subset", "entries", "refusals", "checked", "vectors", "cache", "page", "webassembly",
-        "programs", "processes",
+        "processes",
     )
 ]  # fmt: skip
 

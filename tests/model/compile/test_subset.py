@@ -94,6 +94,7 @@ SAME_AS_PYTHON = {
     "an item at run time": ("k, n", "return (4, 5, 6)[n], (k[0], 2, k[1])[n], SAME[n], ROWS[n][1], (1, 2, 3)[n > 1]"),
     "items of tables": ("n", "return TABLE[1], TABLE[-1], NAMED['b'], ROWS[1], len(ROWS), TABLE[0:2]"),
     "named tuples": ("x, n", "p = Point(x, n=n)\nx, m, flag = p\nreturn p, p.x, p[1], m, flag, Point(1, 2, True)"),
+    "an attribute of a class": ("x", "p = Sized(x)\nreturn p.x * p.size, Sized.size"),
     "_replace": ("x, n", "p = Point(x, n)\nq = p._replace(n=7)\nr = ORIGIN._replace(x=x)\nreturn p, q, r, ORIGIN._replace(n=3)"),
     "named tuples of arguments": ("x, n", "return Pair(*(v for v in (x, n))), Pair(**{}, x=1, y=2) if False else n"),
     "generators": ("x, n", "return tuple(v * n for v in (x, 1, 2)), tuple((i, j) for i in range(3) for j in range(i))"),
@@ -107,6 +108,7 @@ SAME_AS_PYTHON = {
     # --------------------------------------------------------------------------- statements, loops
     "assignments": ("x, y", "a = b = x\na += y\na -= 1\na *= 2\na /= 4\nn: int = 3\nn //= 2\nn <<= 3\nn |= 1\nn %= 7\nz: float\nreturn a, b, n"),
     "branches": ("x, y", "if x > y:\n    r = 1\nelif x < y:\n    r = 2\nelif x == y:\n    r = 3\nelse:\n    r = 4\nreturn r"),
+    "an argument that changes": ("x, n", "if x > n:\n    x = 0.5 * n\nfor i in range(3):\n    n = n * 2 + i\n    x = x * 0.5 + n\nreturn x, n"),
     "early returns": ("x, y", "if x > y:\n    return x\nif x < y:\n    return y\nreturn 0.5"),
     "no return": ("x", "y = x\npass\n'text'\n"),
     "an empty return": ("x", "if x > 0:\n    return\nreturn None"),
@@ -183,6 +185,11 @@ ORIGIN = Point(0.0, 0)
 FLOATS, INTS = np.array([0.5, 1.5, -0.0]), np.array([3, 4, 5])
 MATRIX, ROWS_OF_FLOATS = np.array([[1.0, 2.0], [3.0, 4.0]]), np.array([[1.0, 2.5], [3.0, 4.0]])
 FACTOR = 2.5
+
+
+class Sized(NamedTuple):
+    x: float
+    size = 3
 
 
 @kernel
