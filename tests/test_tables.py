@@ -164,7 +164,8 @@ print(json.dumps({
     "x": [run.state[-1][0] for run in runs],
     "result": [runs[0].first_height, runs[0].state[0][1]],
     "variable": VARIABLES["first_height"],
-    "line": [line.split() for line in printed(*short).splitlines() if "first_height" in line],
+    "line": [line.split()[-1] for line in printed(*short).splitlines()
+             if line.startswith("height of the centre at the start")],
     "json": json.loads(printed(*short, "--json"))["first_height"],
 }))
 """
@@ -198,7 +199,7 @@ def test_one_more_parameter_and_result_reach_every_view(tmp_path):
     height, at_start = found["result"]
     assert height == at_start == found["json"]
     assert found["variable"] == {"units": "1", "long_name": "height of the centre at the start"}
-    assert found["line"] == [["first_height", f"{height:.7g}"]]
+    assert found["line"] == [f"{height:.9g}"]
 
 
 PULLED = """
