@@ -44,7 +44,7 @@ EDITS = [
 MORE_EDITS = [
     ("src/model/sweeps/io.py", '"complevel": 4', '"complevel": 5', COMPUTED - COMPARED),
     ("src/study/config/runs.py", *EDIT, {"explorer", *WEIGHED}),
-    ("workflow/scripts/merge.py", *EDIT, {"merge", *DRAWN, "explorer"}),
+    ("workflow/scripts/merge.py", *EDIT, {"merge", *DRAWN}),
     ("src/study/config/methods.py", "gt=0.0", "gt=1e-9",
      {*METHODS, "explorer", *WEIGHED}),
     ("src/study/config/accuracy.py", *EDIT, {"explorer", *WEIGHED}),
@@ -154,7 +154,7 @@ STATED = [
     ({"figures": {"fig11": {"title": "Another title"}}}, {"explorer", *LAST}),
     ({"figures": {"fig11": {"caption": "Another caption."}}}, {"explorer", *LAST}),
     ({"figures": {"fig13": {"caption": "Another caption."}}}, {"explorer", *LAST}),
-    ({"figures": {"fig13": {"chunks": 2}}}, {"chunk", "merge", "explorer", *DRAWN}),
+    ({"figures": {"fig13": {"chunks": 2}}}, {"chunk", "merge", *DRAWN}),
     ({"settings": {"tolerance": 1e-9}}, COMPUTED),
 ]  # fmt: skip
 OF_ALL = {"explorer", "claims", *WEIGHED}

@@ -9,7 +9,7 @@ shown = [
 ]
 
 
-# The engines as WebAssembly, in the cache; the explorer contains them, and the two maps of the paper.
+# The engines as WebAssembly, in the cache; the explorer contains them.
 rule page_engines:
     output:
         data="<results>/data/page_engines.json",
@@ -28,7 +28,6 @@ rule page_engines:
 rule explorer:
     input:
         "<results>/data/page_engines.json",
-        maps=expand("<results>/data/{map}.nc", map=study.named("map")),
     output:
         page=report(
             "<results>/explorer.html",

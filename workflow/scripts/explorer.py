@@ -11,6 +11,5 @@ from vibralign.explorer.page import build_page
 
 with recorded(snakemake):
     made, study = module_for(), Study.model_validate(snakemake.params.study)
-    maps = [Path(file) for file in snakemake.input.maps]
-    page = build_page(study_model(study, made.interface, maps), made)
+    page = build_page(study_model(study, made.interface), made)
     write_text(page, Path(snakemake.output.page))

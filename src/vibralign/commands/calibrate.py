@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from vibralign.answers.si import named_words, rounded, written_words
 from vibralign.commands.arguments import add_model_options, announce_compilation, read_device
-from vibralign.commands.files import check_file, check_picture, writing
+from vibralign.commands.files import check_file, writing
 from vibralign.commands.program import add_command, add_json
 from vibralign.commands.progress import ProgressLine
 from vibralign.commands.tables import in_columns, print_json
@@ -41,8 +41,6 @@ def add(commands: Any) -> None:
     add("--trials", type=Path, required=True, metavar="FILE", help="table of trials (.csv)")
     words = "device file to write (.yaml), with samples beside it (.nc): assess and design read it"
     add("--out", type=Path, metavar="FILE", help=words)
-    words = "draw into FILE what is possible before and after the trials, and their times"
-    add("--plot", type=Path, metavar="FILE", help=words)
     words = "do not seek the trial to make next; seeking it takes about as many runs again"
     add("--no-next", action="store_true", help=words)
     add_model_options(parser, scene="insertion")
@@ -50,8 +48,6 @@ def add(commands: Any) -> None:
 
 
 def _calibrate(arguments: argparse.Namespace) -> int:
-    if arguments.plot is not None:
-        check_picture(arguments.plot)
     if arguments.out is not None:
         check_file(arguments.out, "--out", ["yaml", "yml"])
         check_file(arguments.out.with_suffix(".nc"), "--out", ["nc"])
@@ -92,14 +88,6 @@ def _calibrate(arguments: argparse.Namespace) -> int:
             samples = write(found, arguments.out)
         if not arguments.json:
             print(f"wrote {arguments.out} and {samples}: vibralign assess --device {arguments.out}")
-    if arguments.plot is not None:
-        from vibralign.plots import style  # noqa: PLC0415  (matplotlib)
-        from vibralign.plots.known import calibration  # noqa: PLC0415
-
-        with writing():
-            style.write(calibration(found), arguments.plot)
-        if not arguments.json:
-            print(f"wrote {arguments.plot}")
     return int(not found.concludes)
 
 

@@ -116,7 +116,6 @@ def device_model(
         "parameters": described(values, units),
         "presets": {"device": preset},
         "first": "device",
-        "maps": {},
     }
 
 

@@ -52,7 +52,6 @@ function writeControls() {
   element("x").value = state.x;
   element("y").value = state.y;
   element("vibration").textContent = state.vibration ? "Without vibration" : "With vibration";
-  element("compare").textContent = state.compared ? "Only one" : "Both";
   element("map-title").textContent = state.vibration ? "Where it aligns" : "Where it aligns without vibration";
   element("about").textContent = MODEL.presets[state.figure].words ?? "";
   element("ignored").textContent = ignored.length ? `The address is not taken: ${ignored.join("; ")}.` : "";
@@ -142,7 +141,6 @@ function listen() {
   element("scrub").addEventListener("input", () => { play(false); seek((Number(element("scrub").value) / 1000) * lastTime()); });
   element("exaggerate").addEventListener("change", drawRun);
   element("vibration").addEventListener("click", () => { state.vibration = !state.vibration; follow(); });
-  element("compare").addEventListener("click", () => { state.compared = !state.compared; follow(); });
   element("preset").addEventListener("change", () => { time = 0; open(`#figure=${element("preset").value}`); });
   element("link").addEventListener("click", () => copy(`${location.href.split("#")[0]}${hashOf(state, MODEL)}`, "Link copied:"));
   element("save").addEventListener("click", save);

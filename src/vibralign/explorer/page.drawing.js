@@ -2,12 +2,11 @@
 
 /**
  * @typedef {{x: number, y: number, tilt: number, time: number, [name: string]: number}} Frame
- * @typedef {{exaggeration: number, ghost: Frame | null}} Options
  * @typedef {(x: number, y: number) => [number, number]} Place
  */
 
 const COLOURS = {
-  ink: "#1b1b1b", faint: "#6e6e6e", base: "#d9d4cc", part: "#a9cbe8", edge: "#0072B2", ghost: "#6e6e6e",
+  ink: "#1b1b1b", faint: "#6e6e6e", base: "#d9d4cc", part: "#a9cbe8", edge: "#0072B2",
   normal: "#D55E00", friction: "#009E73", holder: "#e9e9e9",
 };
 const CLOSED = 1; // a contact that presses
@@ -159,9 +158,9 @@ function drawForces(g, place, frame, device, pose, scale) {
 /**
  * Draw one frame: the whole part on its springs at the left, the slot enlarged at the right.
  * @param {CanvasRenderingContext2D} g @param {number} width @param {number} height
- * @param {Frame} frame @param {any} device parameters, dimensionless @param {Options} options
+ * @param {Frame} frame @param {any} device parameters, dimensionless @param {number} exaggeration of the tilt
  */
-function drawScene(g, width, height, frame, device, options) {
+function drawScene(g, width, height, frame, device, exaggeration) {
   g.fillStyle = "#ffffff";
   g.fillRect(0, 0, width, height);
   const whole = Math.round(width * 0.4), a = device.half_width, b = device.half_height;
@@ -179,15 +178,7 @@ function drawScene(g, width, height, frame, device, options) {
     /** @type {Place} */
     const place = (x, y) => [left + wide / 2 + unit * x, height - below - unit * y];
     drawBase(g, place, device, [left, 0, wide, height]);
-    const pose = drawnPose(frame, device, options.exaggeration);
-    if (options.ghost) {
-      outline(g, place, drawnPose(options.ghost, device, options.exaggeration), device);
-      g.setLineDash([5, 4]);
-      g.strokeStyle = COLOURS.ghost;
-      g.lineWidth = 1.5;
-      g.stroke();
-      g.setLineDash([]);
-    }
+    const pose = drawnPose(frame, device, exaggeration);
     if (springs) drawHolder(g, place, frame, device, pose, unit, tall, [left, wide]);
     outline(g, place, pose, device);
     g.fillStyle = COLOURS.part;
@@ -214,7 +205,7 @@ function drawScene(g, width, height, frame, device, options) {
   g.fillStyle = COLOURS.faint;
   g.font = "12px system-ui, sans-serif";
   g.fillText("to scale", 6, height - 6);
-  g.fillText(options.exaggeration === 1 ? "enlarged" : `enlarged; tilt × ${options.exaggeration}`, whole + 14, height - 8);
+  g.fillText(exaggeration === 1 ? "enlarged" : `enlarged; tilt × ${exaggeration}`, whole + 14, height - 8);
 }
 
 /**

@@ -19,7 +19,6 @@ let runner = /** @type {Runner | null} */ (null), mapper = /** @type {Mapper | n
 /** @typedef {Run & {device: any, values: Record<string, number>}} DrawnRun */
 let run = /** @type {DrawnRun | null} */ (null), other = /** @type {Run | null} */ (null);
 let map = /** @type {MapData | null} */ (null);
-const stored = /** @type {Record<string, MapData>} */ ({});
 let time = 0, slowTilt = NaN, playing = false, lastFrame = 0, mapTimer = 0, otherTimer = 0, mapStarted = 0, mapFrame = 0;
 const measured = { map: 0 };
 
@@ -50,7 +49,7 @@ function rerun() {
   const values = valuesOf(state, state.vibration);
   const done = runner.start("run", setOf(values), controlOf(values), (found) => {
     show({ ...found, results: judged(found.results, values), device: drawnDevice(values), values });
-    if (state.compared) compare(); else otherTimer = setTimeout(compare, SLOW_OTHER);
+    otherTimer = setTimeout(compare, SLOW_OTHER);
   });
   if (!done) writeInstead("Computing … this run has very many steps; the page stays usable.", false);
 }
@@ -74,27 +73,17 @@ function compare() {
     other = { ...found, results: judged(found.results, values) };
     if (state.vibration) slowTilt = slowTiltOf(other);
     writeOutcome();
-    if (state.compared) drawRun();
   });
 }
 
 /** Return the tilt at which the part rests under a slow press, for a run without vibration that neither aligns nor rests; else NaN. @param {Run} still */
 const slowTiltOf = ({ results }) => (!runner || aligns(results) || rests(results) ? NaN : runner.slowTilt(setOf(state.values)));
 
-/** Return the other run if it is drawn, too. */
-const drawnOther = () => (state.compared ? other : null);
-
 /** Return the 95 % quantile of values. @param {Float64Array} values */
 const quantile = (values) => Float64Array.from(values).sort()[Math.floor(0.95 * (values.length - 1))];
 
-/** Return the end of the time axis: that of the run, or that of the other run if it is later, but then τ = 20 at most. */
-function lastTime() {
-  if (!run) return 1;
-  const track = run.track, ends = [track.time[track.rows - 1]];
-  const beside = drawnOther();
-  if (beside) ends.push(beside.track.time[beside.track.rows - 1]);
-  return Math.min(Math.max(...ends), Math.max(ends[0], 20)) || 1;
-}
+/** Return the end of the time axis. */
+const lastTime = () => (run ? run.track.time[run.track.rows - 1] || 1 : 1);
 
 // ---------------------------------------------------------------- drawing
 
@@ -113,14 +102,14 @@ function contextOf(id) {
 
 function drawRun() {
   if (!run) return;
-  const scene = contextOf("scene"), beside = drawnOther(), ghost = beside ? frameAt(beside.track, time) : null;
+  const scene = contextOf("scene");
   const exaggeration = element("exaggerate").checked ? 5 : 1, { values } = run;
   const holder = holderOf(run.track, run.device, MODEL.control.start);
-  drawScene(scene.context, scene.width, scene.height, frameAt(run.track, time), { ...run.device, holder }, { exaggeration, ghost });
+  drawScene(scene.context, scene.width, scene.height, frameAt(run.track, time), { ...run.device, holder }, exaggeration);
   const plots = contextOf("plots"), scaled = (/** @type {Quantity} */ panel) => scaleOf(panel, values) / panel.one;
   const second = scaleOf(MODEL.time, values), [unit, one] = timeUnit(lastTime() * second);
   const axis = { time, end: lastTime(), label: unit ? `time, ${unit}` : "τ, in units of 1/p", scale: second / one };
-  drawPlots(plots.context, plots.width, plots.height, run.track, beside?.track ?? null, MODEL.panels, scaled, axis);
+  drawPlots(plots.context, plots.width, plots.height, run.track, MODEL.panels, scaled, axis);
   writeMoment();
 }
 
@@ -135,11 +124,10 @@ function drawWholeMap() {
   element("longest").textContent = `${inTime(longest)} and longer`;
   const count = (/** @type {(outcome: number) => boolean} */ is) => /** @type {MapData} */ (map).outcome.reduce((n, each) => n + Number(is(each)), 0);
   const known = count((each) => each >= 0), share = (/** @type {number} */ of) => Math.round((100 * count((each) => each === of)) / known);
-  const origin = map.stored ? " (stored by the study)" : known < map.outcome.length ? "; more is being computed" : "";
-  const outlined = map.reliable ? " Black outline: aligns from every start that was tried." : "";
+  const more = known < map.outcome.length ? "; more is being computed" : "";
   const open = known && count((each) => each === FAILED) ? ` Grey, ${share(FAILED)} %: too many steps for the map.` : "";
-  const filled = !map.stored && map.step.some((step, node) => !step && /** @type {MapData} */ (map).outcome[node] >= 0) ? " Away from what aligns, every second node is computed." : "";
-  element("share").textContent = known ? `${share(ALIGNED)} % of it aligns${origin}.${open}${outlined}${filled}` : "";
+  const filled = map.step.some((step, node) => !step && /** @type {MapData} */ (map).outcome[node] >= 0) ? " Away from what aligns, every second node is computed." : "";
+  element("share").textContent = known ? `${share(ALIGNED)} % of it aligns${more}.${open}${filled}` : "";
 }
 
 // ---------------------------------------------------------------- the map
@@ -150,22 +138,12 @@ function span(side) {
   return /** @type {any} */ (state.spans[side]) ?? [least, most];
 }
 
-/** Show the stored map if it is this one, else compute it, a moment after the last change. */
+/** Compute the map, a moment after the last change, unless it is this one. */
 function remap() {
   clearTimeout(mapTimer);
-  const match = Object.values(stored).find((each) => each.x === state.x && each.y === state.y && sameElsewhere(/** @type {any} */ (each)));
-  if (match && state.vibration) {
-    mapper?.stop();
-    map = match;
-    drawWholeMap();
-    return;
-  }
-  if (map && !map.stored && sameMap === mapKey()) { drawWholeMap(); return; }
+  if (map && sameMap === mapKey()) { drawWholeMap(); return; }
   mapTimer = setTimeout(computeMap, SLOW_MAP);
 }
-
-/** @param {MapData & {values: Record<string, number>}} each */
-const sameElsewhere = (each) => Object.entries(each.values).every(([name, value]) => name === state.x || name === state.y || Object.is(value, state.values[name]));
 
 let sameMap = "";
 /** Return the key of a map: all values on which it depends. */
@@ -248,7 +226,6 @@ async function start() {
   listen();
   writeControls();
   const about = MODEL.interface;
-  for (const [name, each] of Object.entries(MODEL.maps)) stored[name] = Object.assign(await storedMap(each), { values: /** @type {any} */ (each).values });
   try {
     const binary = await unpacked(MODEL.engine);
     runner = new Runner(await engineOf(binary, about), binary, MODEL);

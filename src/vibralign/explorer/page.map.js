@@ -2,7 +2,7 @@
 
 /**
  * @typedef {{x: string, y: string, xs: [number, number], ys: [number, number], cells: number,
- *   tau: Float64Array, outcome: Int8Array, step: Uint8Array, stored: boolean, reliable: Uint8Array | null}} MapData
+ *   tau: Float64Array, outcome: Int8Array, step: Uint8Array}} MapData
  * @typedef {{set: number[], control: Record<string, number>, judge: (results: Record<string, number>) => Record<string, number>}} Task a run
  * @typedef {{label: string, one: number}} MapAxis its title, and the size of the unit in which it is shown
  */
@@ -17,21 +17,7 @@ const INSET = { left: 68, right: 22, top: 8, bottom: 40 };
 /** Return an empty map. @param {string} x @param {string} y @param {[number, number]} xs @param {[number, number]} ys @param {number} cells @returns {MapData} */
 function emptyMap(x, y, xs, ys, cells) {
   const size = cells * cells;
-  return { x, y, xs, ys, cells, tau: new Float64Array(size).fill(NaN), outcome: new Int8Array(size).fill(UNKNOWN), step: new Uint8Array(size), stored: false, reliable: null };
-}
-
-/** Return a map from its stored numbers: 0 where it does not align, else the duration in 254 equal ratios. @param {any} stored @returns {Promise<MapData>} */
-async function storedMap(stored) {
-  const map = emptyMap(stored.x, stored.y, stored.xs, stored.ys, stored.cells);
-  const duration = new Uint8Array(await unpacked(stored.duration));
-  duration.forEach((level, node) => {
-    map.outcome[node] = level > 0 ? ALIGNED : SETTLED;
-    map.tau[node] = level > 0 ? stored.least * (stored.most / stored.least) ** ((level - 1) / 254) : NaN;
-  });
-  map.step.fill(1);
-  map.stored = true;
-  if (stored.reliable) map.reliable = new Uint8Array(await unpacked(stored.reliable));
-  return map;
+  return { x, y, xs, ys, cells, tau: new Float64Array(size).fill(NaN), outcome: new Int8Array(size).fill(UNKNOWN), step: new Uint8Array(size) };
 }
 
 /** Return the values of a node. @param {MapData} map @param {number} node @returns {[number, number]} */
@@ -231,7 +217,6 @@ function drawMap(g, width, height, map, axes, point) {
       g.fillRect(left, top, right - left, bottom - top);
     }
   }
-  if (map.reliable) drawReliable(g, map, place);
   g.restore();
   drawAxes(g, height, map, axes, place);
   const [px, py] = [place.x(point[0]), place.y(point[1])];
@@ -251,21 +236,6 @@ function strokeOnWhite(g, broad, fine, ink) {
     g.strokeStyle = style;
     g.stroke();
   }
-}
-
-/** Draw the outline of the nodes that align from every start. @param {CanvasRenderingContext2D} g @param {MapData} map @param {any} place */
-function drawReliable(g, map, place) {
-  const reliable = /** @type {Uint8Array} */ (map.reliable), n = Math.round(Math.sqrt(reliable.length));
-  const [dx, dy] = [place.wide / (n - 1), place.tall / (n - 1)];
-  g.beginPath();
-  for (let row = 0; row < n; row += 1) {
-    for (let column = 0; column < n; column += 1) {
-      const x = INSET.left + dx * column, y = INSET.top + place.tall - dy * row, here = reliable[row * n + column];
-      if (column + 1 < n && here !== reliable[row * n + column + 1]) { g.moveTo(x + dx / 2, y - dy / 2); g.lineTo(x + dx / 2, y + dy / 2); }
-      if (row + 1 < n && here !== reliable[(row + 1) * n + column]) { g.moveTo(x - dx / 2, y - dy / 2); g.lineTo(x + dx / 2, y - dy / 2); }
-    }
-  }
-  strokeOnWhite(g, 4, 1.75, "#000000");
 }
 
 let pattern = /** @type {CanvasPattern | null} */ (null);

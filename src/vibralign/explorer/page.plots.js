@@ -2,7 +2,7 @@
 
 /**
  * @typedef {{time: Float64Array, columns: Record<string, Float64Array>, rows: number, zero: number}} Track ``zero`` is the time from which results count
- * @typedef {Quantity & {curves: {name: string, label: string}[]}} Panel of the other run only the first curve is drawn
+ * @typedef {Quantity & {curves: {name: string, label: string}[]}} Panel
  */
 
 const KINDS = { sticks: "#E69F00", slides: "#56B4E9", flies: "#ffffff" };
@@ -90,12 +90,12 @@ function timeAxis(width, end) {
 }
 
 /**
- * Draw the panels of a run, and of another one beside it.
+ * Draw the panels of a run.
  * @param {CanvasRenderingContext2D} g @param {number} width @param {number} height @param {Track} track
- * @param {Track | null} other @param {Panel[]} panels @param {(panel: Quantity) => number} scaled one of the model in the unit shown
+ * @param {Panel[]} panels @param {(panel: Quantity) => number} scaled one of the model in the unit shown
  * @param {{time: number, end: number, label: string, scale: number}} axis
  */
-function drawPlots(g, width, height, track, other, panels, scaled, axis) {
+function drawPlots(g, width, height, track, panels, scaled, axis) {
   g.clearRect(0, 0, width, height);
   g.font = "12px system-ui, sans-serif";
   const { across } = timeAxis(width, axis.end), inner = height - MARGIN.top - MARGIN.bottom - BAND - 4;
@@ -103,11 +103,8 @@ function drawPlots(g, width, height, track, other, panels, scaled, axis) {
   panels.forEach((panel, n) => {
     const curves = panel.curves.map((curve, k) => ({ ...curve, colour: CURVES[k] })).filter(({ name }, k) => k === 0 || track.columns[name].some((each) => each !== 0)), scale = scaled(panel);
     let [low, high] = [Infinity, -Infinity];
-    for (const [each, name] of /** @type {[Track, string][]} */ ([...(other ? [[other, curves[0].name]] : []), ...curves.map((curve) => [track, curve.name])])) {
-      for (let row = 0; row < each.rows && each.time[row] <= axis.end; row += 1) {
-        low = Math.min(low, each.columns[name][row]);
-        high = Math.max(high, each.columns[name][row]);
-      }
+    for (const { name } of curves) {
+      for (const value of track.columns[name]) [low, high] = [Math.min(low, value), Math.max(high, value)];
     }
     if (!(high - low > 1e-9)) [low, high] = [low - 0.5, high + 0.5];
     const top = MARGIN.top + n * tall, gap = 7;
@@ -126,12 +123,6 @@ function drawPlots(g, width, height, track, other, panels, scaled, axis) {
     g.beginPath();
     g.rect(MARGIN.left, top, width - MARGIN.left - MARGIN.right, tall);
     g.clip();
-    if (other) {
-      g.strokeStyle = "#6e6e6e";
-      g.setLineDash([4, 3]);
-      drawCurve(g, other, curves[0].name, across, down);
-      g.setLineDash([]);
-    }
     g.lineWidth = 1.5;
     curves.forEach(({ name, colour }) => { g.strokeStyle = colour; drawCurve(g, track, name, across, down); });
     g.restore();

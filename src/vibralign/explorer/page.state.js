@@ -2,7 +2,7 @@
 
 /**
  * @typedef {{figure: string, values: Record<string, number>, x: string, y: string, spans: Record<string, number[] | undefined>,
- *   vibration: boolean, compared: boolean, time: number | null}} State
+ *   vibration: boolean, time: number | null}} State
  */
 
 /** Return the message on values that do not go together, else "". @param {Record<string, number>} values @param {boolean} isDevice */
@@ -76,7 +76,7 @@ function stateOf(hash, model) {
   }
   const message = misplaced(values, model.units);
   if (message && !misplaced(start, model.units)) ignored.push(message);
-  const view = ["figure", "x", "y", "vibration", "compared", "t"];
+  const view = ["figure", "x", "y", "vibration", "t"];
   for (const key of new Set(asked.keys())) {
     if (![...names, ...view].includes(key)) ignored.push(`${key}: is no parameter`);
     else if (asked.getAll(key).length > 1) ignored.push(`${key}: is given twice`);
@@ -86,7 +86,7 @@ function stateOf(hash, model) {
   const state = {
     figure, values, x, y: y === x ? (x === preset.y ? preset.x : preset.y) : y,
     spans: { x: preset.spans?.[x], y: preset.spans?.[y] },
-    vibration: choice("vibration", ["on", "off"], "on") === "on", compared: choice("compared", ["on", "off"], "off") === "on",
+    vibration: choice("vibration", ["on", "off"], "on") === "on",
     time: asked.has("t") ? Math.max(0, (time ?? 0) / scaleOf(model.time, values)) : null,
   };
   return { state: ignored.length ? stateOf("", model).state : state, ignored };
@@ -107,7 +107,6 @@ function hashOf(state, model) {
   if (state.x !== preset.x) asked.set("x", state.x);
   if (state.y !== preset.y) asked.set("y", state.y);
   if (!state.vibration) asked.set("vibration", "off");
-  if (state.compared) asked.set("compared", "on");
   if (state.time !== null) asked.set("t", shown(state.time * scaleOf(model.time, state.values)));
   return `#${asked}`;
 }

@@ -88,8 +88,7 @@ function writeOutcome() {
   element("words").textContent = `${ended[0].toUpperCase()}${ended.slice(1)}. ${aligned ? `${lifted} ` : ""}${forceWords(results)}${drawn}${counted}`;
   element("remedy").textContent = good || !state.vibration ? "" : `What to do: ${MODEL.remedies_of_reasons[results.reason] ?? MODEL.remedies[results.outcome]}.`;
   const both = other && (state.vibration ? [results, other.results] : [other.results, results]);
-  const dashed = state.compared ? ` Dashed: the run ${state.vibration ? "without" : "with"} vibration.` : "";
-  element("beside").textContent = both && results.tau_align !== 0 ? comparisonWords(both[0], both[1], slow, state.vibration) + dashed : "";
+  element("beside").textContent = both && results.tau_align !== 0 ? comparisonWords(both[0], both[1], slow, state.vibration) : "";
 }
 
 function writeMoment() {

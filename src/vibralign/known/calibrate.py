@@ -119,7 +119,7 @@ class Calibration(Value):
         return words
 
     def dataset(self) -> "xr.Dataset":
-        """Return samples, weights, trials and predictions as a dataset in SI units."""
+        """Return samples and weights as a dataset in SI units."""
         from vibralign.known.files import dataset_of  # noqa: PLC0415  (xarray, a second)
 
         return dataset_of(self)

@@ -21,7 +21,7 @@ from vibralign.device import StatedDevice
 from vibralign.device.approach import SPEED, USUAL
 from vibralign.known.likelihood import log_chance, log_likelihood
 from vibralign.known.possible import Sets
-from vibralign.known.posterior import Samples, normalised, quantiles
+from vibralign.known.posterior import Samples, normalised
 from vibralign.known.trials import Trial
 
 LEAST = 0.02  # probability of trials as far out below which the model does not fit
@@ -43,14 +43,12 @@ class Fit(NamedTuple):
         odds: common logarithm of the evidence of the model over that of chance.
         predicted: probability of each trial's result as the others predict it, from both ends;
             of a failure, that of failing.
-        times: 5, 50 and 95 % quantiles of each trial's predicted time in s, shape (trials, 3).
         rivals: common logarithm of each rival's evidence over the model's, by the rival's words.
     """
 
     share: float
     odds: float
     predicted: tuple[float, ...]
-    times: Floats
     rivals: Mapping[str, float] = {}
 
     @property
@@ -80,14 +78,11 @@ def fit_of(
         horizon: time in s at which a run ends.
         rivals: logarithms of the likelihood of the first sets, by the words of each rival.
     """
-    predicted, predicted_times = [], []
+    predicted = []
     for trial, each in zip(trials, times, strict=True):
         own = log_likelihood(trial, each, horizon)
         others = normalised(samples.log_ratio + samples.log_likelihood - own)
         predicted.append(_probability(trial, each, others, horizon))
-        every = np.repeat(samples.weights / each.shape[1], each.shape[1])
-        flat = np.nan_to_num(each, nan=np.inf).ravel()
-        predicted_times.append(quantiles(flat, every, (0.05, 0.5, 0.95)))
     product = -2.0 * float(np.log(np.maximum(predicted, _SMALLEST)).sum())
     share = float(scipy.stats.chi2.sf(product, 2 * len(trials)))
     evidence = float(scipy.special.logsumexp(samples.log_ratio + samples.log_likelihood))
@@ -98,7 +93,7 @@ def fit_of(
         / math.log(10.0)
         for words, each in rivals.items()
     }
-    return Fit(share, odds, tuple(predicted), np.array(predicted_times), better)
+    return Fit(share, odds, tuple(predicted), better)
 
 
 def rivals_of(device: StatedDevice, trials: Sequence[Trial]) -> dict[str, Model]:

@@ -30,11 +30,6 @@ _HEAD = re.compile(r"\s*([^\[(]+?)\s*(?:[\[(]\s*(.*?)\s*[\])])?\s*")
 _FAILS = re.compile(
     r"(?i)\s*(?:fails?|failed|jams?|jammed|no)(?:\s+(?:after|within|in)\s+(.+))?\s*"
 )
-_DATE = re.compile(
-    r"(?i)\s*(\d{1,4}[./-]\d{1,2}[./-]\d{1,4}|\d{1,2}[-. ]?[a-z]{3,4}[-. ]?\d{0,4}"
-    r"|[a-z]{3}[-. ]\d{1,4})\s*"
-)
-_MONTH = re.compile(r"(?i)(jan|feb|mar|mär|mrz|apr|may|mai|jun|jul|aug|sep|oct|okt|nov|dec|dez)")
 _COMMA = re.compile(r"(?<=\d),(?=\d)")
 _POINT = re.compile(r"\d\.\d")
 
@@ -190,7 +185,6 @@ def _trial(
         for (name, unit), cell in zip(columns, cells, strict=True):
             if name != NOTE and cell:
                 given[name] = f"{cell} {unit}" if unit and _is_number(cell) else cell
-                _refuse_date(name, cell)
         result = given.pop(RESULT, "")
         time, error, waited = _result(result)
         own = device.changed(**given)
@@ -202,15 +196,6 @@ def _is_number(cell: str) -> bool:
     """Return whether a cell has no unit of its own: it gets that of the head."""
     bare = re.sub(r"(?i)fail(s|ed)? (after|within|in)|σ", "", plain(cell))
     return bool(re.search(r"\d", bare)) and not re.search(r"[^\W\d_eE]|%|°", bare)
-
-
-def _refuse_date(name: str, cell: str) -> None:
-    match = _DATE.fullmatch(cell)
-    if match and (_MONTH.search(cell) or not re.search(r"[a-zA-Z]", cell)):
-        raise ValueError(
-            f"{name} = {cell!r}: is a date, into which spreadsheets turn numbers: format the "
-            "column as text and enter it again"
-        )
 
 
 def _result(text: str) -> tuple[float | None, float, float | None]:

@@ -25,7 +25,7 @@ pytestmark = [
 ]
 STUDY = load_study(study_path())
 SETTINGS = replace(STUDY.settings.settings, scene=INSERTION)
-MAPPED = "explorer.map && (explorer.map.stored || explorer.measured.map)"
+MAPPED = "explorer.measured.map"
 
 
 @pytest.fixture(scope="module")

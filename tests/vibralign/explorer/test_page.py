@@ -8,14 +8,11 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
-import xarray as xr
 
 from model.events.outcomes import OUTCOME_TEXT, Outcome, Reason, remedy
 from model.physics.parameters import FIELDS, OF_PAPER
 from model.runs.in_browser import Module, interface
-from model.sweeps.io import write_dataset
 from study.config import load_study, study_path
 from study.explorer import study_model
 from vibralign.device import load_device
@@ -112,27 +109,6 @@ def test_a_round_part_has_a_hole_and_a_square_one_a_slot(shape: str, other: str)
     texts = ("outcomes", "reasons", "remedies", "remedies_of_reasons", "unvibrated")
     said = [*model["events"], *(words for each in texts for words in model[each].values())]
     assert not [words for words in said if other in words]
-
-
-def test_stored_maps_hold_duration_in_steps_and_what_is_reliable(tmp_path: Path) -> None:
-    tau = np.array([[1.0, np.nan, 2.0], [1.5, 2.0, np.nan]])
-    reliable = np.array([[1, 0], [0, 1]], dtype=np.int8)
-    variables = {"tau_align": (("y", "x"), tau), "reliable": (("start_y", "start_x"), reliable)}
-    coordinates = {"y": [0.0, 1.0], "x": [0.0, 1.0, 2.0]}
-    coordinates |= {"start_y": [0.0, 1.0], "start_x": [0.0, 2.0]}
-    dataset = xr.Dataset(variables, coordinates, attrs={"figure": "fig13"})
-    write_dataset(dataset, tmp_path / "map.nc")
-    stored = study_model(STUDY, INTERFACE, [tmp_path / "map.nc"] * len(STUDY.named("map")))["maps"][
-        "fig13"
-    ]
-    assert stored["cells"] == 3
-    levels = np.frombuffer(unpacked(stored["duration"]), dtype=np.uint8).reshape(3, 3)
-    # Rows are repeated to a square; 1 is the shortest duration, 255 the longest.
-    np.testing.assert_array_equal(levels[0], [1, 0, 255])
-    middle = round(1.0 + 254.0 * np.log(1.5) / np.log(2.0))
-    np.testing.assert_array_equal(levels[-1], [middle, 255, 0])
-    found = np.frombuffer(unpacked(stored["reliable"]), dtype=np.uint8).reshape(3, 3)
-    np.testing.assert_array_equal(found[[0, 2]][:, [0, 2]], reliable)
 
 
 def test_scripts_are_all_in_the_page() -> None:

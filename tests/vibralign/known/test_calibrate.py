@@ -33,9 +33,8 @@ def command(folder, table: str, *more: str) -> list[str]:
 
 
 def test_trials_become_a_device_file_that_commands_read(tmp_path, capsys):
-    out, picture = tmp_path / "fit.yaml", tmp_path / "fit.png"
-    words = command(tmp_path, TABLE, "--out", str(out), "--plot", str(picture), "--json")
-    assert cli.main(words) == cli.DONE
+    out = tmp_path / "fit.yaml"
+    assert cli.main(command(tmp_path, TABLE, "--out", str(out), "--json")) == cli.DONE
     record = json.loads(capsys.readouterr().out)
     assert record["fits"]
     assert record["effective_sample_size"] >= 100.0
@@ -43,15 +42,12 @@ def test_trials_become_a_device_file_that_commands_read(tmp_path, capsys):
     assert 0.05 <= low < middle < high <= 0.4
     assert record["next"]["trials"][0]["bits"] >= record["next"]["trials"][-1]["bits"] >= 0.0
     assert len(record["next"]["bench"]) == 2
-    assert picture.stat().st_size > 0
-
     device = load_device(out)
     assert device.samples == tmp_path / "fit.nc"
     sets = sets_of(device, 4096)
     assert low < np.median(sets["friction"]) < high
     with xr.open_dataset(tmp_path / "fit.nc") as stored:
         assert stored["weight"].sum() == pytest.approx(1.0)
-        assert stored["press_force"].values.tolist() == [10.0, 14.0, 4.0]
         assert stored["friction"].attrs["units"] == "1"
         assert stored.attrs["Conventions"].startswith("CF")
         correlation = np.corrcoef(sets["friction"], sets["tilt_stiffness"])[0, 1]
@@ -70,13 +66,8 @@ def test_trials_become_a_device_file_that_commands_read(tmp_path, capsys):
 
 def test_of_trials_that_do_not_fit_nothing_is_known(tmp_path, capsys):
     out = tmp_path / "fit.yaml"
-    picture = tmp_path / "fit.svg"
-    more = ["--out", str(out), "--plot", str(picture)]
-    assert cli.main(command(tmp_path, TORN, *more)) == cli.FAILED
+    assert cli.main(command(tmp_path, TORN, "--out", str(out))) == cli.FAILED
     text = capsys.readouterr().out
-    assert f"wrote {picture}" in text
-    assert "does not fit these trials" in picture.read_text()
-    assert "friction" not in picture.read_text()
     assert text.startswith("fit             THE MODEL DOES NOT FIT THESE TRIALS")
     assert "row 2" in text
     assert "nothing can be concluded" in text
@@ -140,24 +131,23 @@ def test_an_interrupt_leaves_what_there_is():
     found = posterior.sample(ranges, likelihood, target=1e6)
     assert len(found.z) == sum(calls[:2])
     assert found.interrupted
-    none = np.empty((0, 3))
     for odds, words in (
         (-1.5, "neither contradict the model nor support it: trials made by the model are at"),
         (-1.5, "but chance, fitted to them, makes them 32 times as probable\n"),
         (2.0, "the model makes them 100 times as probable as chance does"),
         (6.2, "the model makes them 10^6 times"),
     ):
-        fit = Fit(0.5, odds, (), none)
+        fit = Fit(0.5, odds, ())
         text = "\n".join(report(Calibration(load_device(FILE), (), found, (), 1.0, fit)))
         assert words in text
         assert ("the model fits" in text) == (odds > 0.0)
         assert "too small to conclude; it was interrupted before more were run" in text
-    lines = report(Calibration(load_device(FILE), (), found, (), 1.0, Fit(0.01, -1.5, (), none)))
+    lines = report(Calibration(load_device(FILE), (), found, (), 1.0, Fit(0.01, -1.5, ())))
     assert "NOT FIT" in lines[0]
     assert lines[2].endswith("0; chance makes them 32 times as probable as the model does")
     assert found.weights.sum() == pytest.approx(1.0)
     for odds, first in ((0.4, "the model fits"), (0.5, "THE MODEL DOES NOT FIT")):
-        fit = Fit(0.5, 2.0, (), none, {"a soft base": odds, "another": -1.0})
+        fit = Fit(0.5, 2.0, (), {"a soft base": odds, "another": -1.0})
         lines = report(Calibration(load_device(FILE), (), found, (), 1.0, fit))
         assert lines[0].startswith(f"fit             {first}")
         (said,) = (each for each in lines if "a soft base makes the trials" in each)
