@@ -6,18 +6,13 @@ import numpy as np
 import pytest
 
 from vibralign import (
-    PRINTED_CONTACTS,
-    SUSPENDED,
     Outcome,
     Parameters,
     Reason,
-    Scene,
     Variants,
     align,
     simulate,
 )
-
-NO_SIDE = Scene("no side", frozenset({"edge_on_face", "corner_on_flat"}))
 
 
 def ended(run):
@@ -90,37 +85,6 @@ def test_the_horizon_ends_a_run(device):
     assert run.time[-1] == 1.0
     assert np.isnan(run.tau_align)
     assert "raise the horizon" in run.remedy
-
-
-# ----------------------------------------------------------------------------------- left the scene
-
-
-def test_a_side_contact_that_is_not_declared_leaves_the_scene_when_the_edge_is_met(device):
-    p = device.replace(frequency=0.5)
-    full = simulate(p)
-    met = full.time[np.argmax(full.side_force > 0.0)]
-    run = simulate(p, scene=NO_SIDE)
-    assert ended(run) == (Outcome.LEFT_SCENE, Reason.UNDECLARED_CONTACT)
-    assert not run.side_force.any()
-    # The track's first sample with a force comes at most a quarter of a step after contact.
-    assert run.time[-1] <= met
-    assert run.time[-1] == pytest.approx(met, abs=0.05)
-    assert "declare" in run.remedy
-
-
-def test_a_corner_contact_that_is_not_declared_leaves_the_scene(device):
-    p = device.replace(press_force=0.5, frequency=1.7, tilt_stiffness=46.0, friction=0.05)
-    assert simulate(p).outcome is Outcome.ALIGNED
-    run = simulate(p, scene=PRINTED_CONTACTS)
-    assert ended(run) == (Outcome.LEFT_SCENE, Reason.UNDECLARED_CONTACT)
-    assert run.state[-1, 2] < 0.0  # tilted onto B1
-
-
-def test_a_pressed_part_has_no_contact_in_the_suspended_scene(device):
-    run = simulate(device, scene=SUSPENDED)
-    assert ended(run) == (Outcome.LEFT_SCENE, Reason.UNDECLARED_CONTACT)
-    assert run.contact_force_max == 0.0
-    assert run.time[-1] < 1e-6
 
 
 # ------------------------------------------------------------------------------ reasons of the end
