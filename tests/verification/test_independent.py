@@ -30,6 +30,11 @@ RUNS = {
         {"frequency": 0.5},
         {"left enters", "side slip", "side load", "side reload"},
     ),
+    # 1 + (s² - μ s b)/I = -5 at s = 0.54: on a rigid base, a contact that slides this way has none.
+    "Painlevé's paradox": (
+        {"inertia": 0.3, "half_height": 4.0, "friction": 1.0, "misalignment": 0.6},
+        {"face load"},
+    ),
 }
 
 # It drops, is lifted out again, and drops for good at 10.713.
