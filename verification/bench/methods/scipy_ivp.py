@@ -2,12 +2,11 @@
 
 import importlib
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from time import process_time
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from verification.bench.equations import (
@@ -26,7 +25,7 @@ from vibralign import Parameters
 
 _MOST_EVENTS = 20_000  # of one trajectory; W3 has about 1,000
 _AT_ONCE = 1e-12  # events closer than this are taken as simultaneous
-_CAREFUL = (1e-3, 1e-5, 1e-7)  # first steps to try after such events
+_FIRST = (0.0, 1e-3, 1e-5, 1e-7)  # first steps to try, after such events; 0: the method's own
 
 
 class ScipyIvp(Method):
@@ -43,29 +42,74 @@ class ScipyIvp(Method):
     def solve(
         self, problem: Problem, cases: Sequence[Parameters], tolerance: float, deadline: float
     ) -> Solution:
-        """As ``Method.solve``."""
+        """As ``Method.solve``: one case after the other, integrated up to each event and restarted.
 
-        def segment(mode: int, t: float, y: Any, p: Any, stop: float, limits: Limits) -> Any:
-            try:
-                run = solve_ivp(
-                    self._rates[mode], (t, stop), y, method=self.method, args=(p,),
-                    events=self._events[mode], rtol=max(tolerance, 3e-14), atol=tolerance,
-                    first_step=limits.first or None, max_step=limits.longest,
-                )  # fmt: skip
-            except ValueError as error:  # LSODA's dense output has no change of sign after all
-                if "different signs" not in str(error):
-                    raise
-                if 0.0 < limits.first <= _CAREFUL[-1]:
-                    raise NotReachedError("an event was seen and not found") from None
-                return t, y, EVENTS[mode][0], 0  # as an event at the start: tried again
-            if run.status < 0:
-                raise NotReachedError(run.message)
-            if run.status == 0:
-                return stop, run.y[:, -1].copy(), None, run.nfev
-            which = next(k for k, times in enumerate(run.t_events) if times.size)
-            return float(run.t[-1]), run.y[:, -1].copy(), EVENTS[mode][which], run.nfev
+        A mode starts on a zero of one of its functions. If this function rises and falls again
+        within the first step, scipy, which compares signs, finds the event at the start once more.
+        The step is then repeated with smaller first steps.
+        """
+        answers, evaluations = [], 0
+        for case in cases:
+            p, y, t = np.array(device(case)), start(case), 0.0
+            mode, events, aligned = first_mode(t, y, p), 0, np.nan
+            # In flight, steps longer than an eighth of the excitation's period could go across a
+            # whole contact.
+            longest = 0.25 * math.pi / case.frequency
+            states: list[Any] = []
+            for stop in problem.stops:
+                while t < stop and mode != ALIGNED:
+                    for first in _FIRST:
+                        limits = {"first_step": min(first, stop - t) or None, "max_step": longest}
+                        end, y_end, which, counted = self._segment(
+                            mode, t, y, p, stop, tolerance, limits
+                        )
+                        evaluations += counted
+                        if which is None or end - t > _AT_ONCE:
+                            break
+                    t, y = end, y_end
+                    if which is not None:
+                        mode = next_mode(t, y, p, mode, which)
+                        events += 1
+                    if events > _MOST_EVENTS:
+                        raise NotReachedError("endless events")
+                    if process_time() > deadline:
+                        raise NotReachedError("out of time")
+                if mode == ALIGNED:
+                    aligned = t
+                    break
+                states.append(y.copy())
+            if not problem.checkpoints:
+                answers.append(np.array([aligned]))
+            elif len(states) == len(problem.checkpoints):
+                answers.append(np.concatenate(states))
+            else:  # it aligned where nothing aligns
+                answers.append(np.full(len(problem.checkpoints) * 6, np.nan))
+        return problem.solution(np.array(answers), evaluations)
 
-        return drive(segment, problem, cases, deadline)
+    def _segment(
+        self, mode: int, t: float, y: Any, p: Any, stop: float, tolerance: float, limits: Any
+    ) -> tuple[float, Any, int | None, int]:
+        """Integrate in a mode from t up to a stop, under limits on the steps.
+
+        Return (t, y, the event function that ended it or None, right-hand sides evaluated).
+        """
+        try:
+            run = solve_ivp(
+                self._rates[mode], (t, stop), y, method=self.method, args=(p,),
+                events=self._events[mode], rtol=max(tolerance, 3e-14), atol=tolerance, **limits,
+            )  # fmt: skip
+        except ValueError as error:  # LSODA's dense output has no change of sign after all
+            if "different signs" not in str(error):
+                raise
+            if 0.0 < (limits["first_step"] or 0.0) <= _FIRST[-1]:
+                raise NotReachedError("an event was seen and not found") from None
+            return t, y, EVENTS[mode][0], 0  # as an event at the start: tried again
+        if run.status < 0:
+            raise NotReachedError(run.message)
+        if run.status == 0:
+            return stop, run.y[:, -1].copy(), None, run.nfev
+        which = next(k for k, times in enumerate(run.t_events) if times.size)
+        return float(run.t[-1]), run.y[:, -1].copy(), EVENTS[mode][which], run.nfev
 
 
 class _Event:
@@ -80,64 +124,3 @@ class _Event:
     def __call__(self, t: float, y: Any, p: Any) -> float:
         """Return the value of the function."""
         return float(self.function(t, y, p))
-
-
-class Limits(NamedTuple):
-    """First step, 0 for the method's own choice, and longest step.
-
-    The longest is an eighth of the excitation's period. In flight, longer steps could go across a
-    whole contact.
-    """
-
-    first: float
-    longest: float
-
-
-# segment(mode, t, y, p, stop, limits) integrates in a mode from t up to a stop, under limits
-# on its steps. It returns (t, y, the event function that ended it or None, right-hand sides
-# evaluated).
-Segment = Callable[..., tuple[float, NDArray[np.float64], int | None, int]]
-
-
-def drive(
-    segment: Segment, problem: Problem, cases: Sequence[Parameters], deadline: float
-) -> Solution:
-    """Solve cases one after the other: integrate, apply the event, restart.
-
-    A mode starts on a zero of one of its functions. If this function rises and falls again within
-    the first step, a method that compares signs finds the event at the start once more. The step is
-    then repeated with smaller first steps.
-    """
-    answers, evaluations = [], 0
-    for case in cases:
-        p, y, t = np.array(device(case)), start(case), 0.0
-        mode, events, aligned = first_mode(t, y, p), 0, np.nan
-        longest = 0.25 * math.pi / case.frequency
-        states: list[Any] = []
-        for stop in problem.stops:
-            while t < stop and mode != ALIGNED:
-                for first in (0.0, *_CAREFUL):
-                    limits = Limits(min(first, stop - t), longest)
-                    end, y_end, which, counted = segment(mode, t, y, p, stop, limits)
-                    evaluations += counted
-                    if which is None or end - t > _AT_ONCE:
-                        break
-                t, y = end, y_end
-                if which is not None:
-                    mode = next_mode(t, y, p, mode, which)
-                    events += 1
-                if events > _MOST_EVENTS:
-                    raise NotReachedError("endless events")
-                if process_time() > deadline:
-                    raise NotReachedError("out of time")
-            if mode == ALIGNED:
-                aligned = t
-                break
-            states.append(y.copy())
-        if not problem.checkpoints:
-            answers.append(np.array([aligned]))
-        elif len(states) == len(problem.checkpoints):
-            answers.append(np.concatenate(states))
-        else:  # it aligned where nothing aligns
-            answers.append(np.full(len(problem.checkpoints) * 6, np.nan))
-    return problem.solution(np.array(answers), evaluations)
