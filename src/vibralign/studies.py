@@ -28,8 +28,9 @@ from vibralign.answers.maps import corners_of, held_at_corners, quantity_attribu
 from vibralign.device.amounts import read_values
 from vibralign.device.batches import by_settings, devices_of, rows_of
 from vibralign.device.mouth import judged
-from vibralign.device.runs import IN_SI, AnyDevice, stated_devices, with_changes
-from vibralign.device.stated import StatedDevice, unit_of
+from vibralign.device.quantities import unit_of
+from vibralign.device.runs import IN_SI, AnyDevice, listed, stated_of, with_changes
+from vibralign.device.stated import StatedDevice
 
 Axes = Mapping[str, NDArray[np.float64]]
 
@@ -67,7 +68,7 @@ def sweep(
     names = {each.name for each in fields(Settings)}
     changes = {name: value for name, value in axes.items() if name in names}
     varied = {name: value for name, value in axes.items() if name not in names}
-    devices = [with_changes(each, settings, changes) for each in stated_devices(device)]
+    devices = [with_changes(each, settings, changes) for each in map(stated_of, listed(device))]
     if not devices:
         raise ValueError("no device: give at least one")
     if not (isinstance(points, numbers.Integral) and points >= 2):

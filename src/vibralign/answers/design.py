@@ -28,8 +28,8 @@ from vibralign.answers.reliability import Floats
 from vibralign.answers.yields import check_devices, interval
 from vibralign.device import StatedDevice, Tolerance
 from vibralign.device.instead import name_in
+from vibralign.device.quantities import unit_of
 from vibralign.device.runs import AnyDevice, settings_for, stated_of
-from vibralign.device.stated import unit_of
 
 MARGIN_STEP = 0.25
 GENERATIONS, POPULATION = 10, 16  # of the search, by default

@@ -34,7 +34,7 @@ from vibralign.device import StatedDevice
 from vibralign.device.amounts import SIGMAS
 from vibralign.device.batches import Values
 from vibralign.device.limits import OF_VIBRATOR, of_vibrator
-from vibralign.device.stated import bound_of
+from vibralign.device.quantities import bound_of
 
 POINTS = 16  # devices drawn within the tolerances of a setting, a power of two
 LINES = 8  # on which the nearest failing device is sought

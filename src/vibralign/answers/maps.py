@@ -23,7 +23,8 @@ from vibralign.answers.reliability import are_reliable
 from vibralign.device.approach import SPEED
 from vibralign.device.batches import by_settings, devices_of, rows_of
 from vibralign.device.mouth import GRIPPER_TILT, judged
-from vibralign.device.stated import StatedDevice, check_quantity, quantity_of
+from vibralign.device.quantities import check_quantity, quantity_of
+from vibralign.device.stated import StatedDevice
 
 _VARIABLES = (
     "outcome", "reason", "tau_align", "tau_error", "sensitive", "contact_force_max",

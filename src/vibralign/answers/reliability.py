@@ -7,7 +7,7 @@ device are in SI units, and change as ``--set`` changes them.
 
 import itertools
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from types import MappingProxyType
 from typing import Any
@@ -29,8 +29,8 @@ from vibralign.device.amounts import read_amount
 from vibralign.device.batches import Values, by_settings, devices_of, rows_of
 from vibralign.device.limits import LIMITS, of_vibrator
 from vibralign.device.mouth import CHAMFERS, judged, judged_on_chamfers
-from vibralign.device.runs import AnyDevice, settings_for, stated_devices
-from vibralign.device.stated import bound_of, unit_of
+from vibralign.device.quantities import bound_of, unit_of
+from vibralign.device.runs import AnyDevice, settings_for, stated_of
 
 Floats = NDArray[np.float64]
 STATISTICAL_TOLERANCE = 1e-6  # local error of a step; yields are the same as at 1e-10
@@ -298,7 +298,7 @@ def are_late(
 
 
 def reliable_at(
-    device: AnyDevice | Iterable[AnyDevice],
+    device: AnyDevice,
     settings: Settings | None = None,
     *,
     cores: int = 1,
@@ -307,7 +307,7 @@ def reliable_at(
     """Return where a device goes in in every case, shape (n,), as ``assess`` says.
 
     Args:
-        device: of a file, as ``simulate`` takes it; or a list of n, without ``quantities``.
+        device: of a file, as ``simulate`` takes it.
         settings: settings of the runs; None for the defaults, in the insertion scene.
         cores: number of threads.
         **quantities: what varies together, each of shape (n,), such as
@@ -317,13 +317,7 @@ def reliable_at(
         TypeError: no device, or a dimensionless one.
         ValueError: an unknown quantity, shapes that differ, or a value outside its rule.
     """
-    devices = stated_devices(device)
-    if len(devices) != 1:
-        if quantities:
-            raise ValueError("nothing may vary over a list of devices: give one device")
-        each = [reliable_at(one, settings, cores=cores) for one in devices]
-        return np.concatenate([np.empty(0, np.bool_), *each])
-    (device,) = devices
+    device = stated_of(device)
     units = {name: unit_of(name) for name in quantities}
     values = {
         name: np.array([read_amount(name, v, units[name]).value for v in np.ravel(given).tolist()])

@@ -13,7 +13,6 @@ from vibralign.answers.forces import tip_force
 from vibralign.answers.leeways import Leeway, Nearest, steps_between
 from vibralign.answers.si import (
     in_words,
-    quantity_of,
     range_words,
     si_words,
     written_words,
@@ -23,6 +22,7 @@ from vibralign.device import StatedDevice
 from vibralign.device.approach import SPEED
 from vibralign.device.base import restitution_at
 from vibralign.device.mouth import GRIPPER_TILT
+from vibralign.device.quantities import quantity_of
 from vibralign.device.stated import FOLLOWED
 
 if TYPE_CHECKING:
@@ -155,7 +155,7 @@ def _counted(what: str, number: int) -> str:
 def _example(result: "Assessment") -> str:
     assert result.failing_start is not None  # noqa: S101 - the caller's
     words = ", ".join(
-        f"{name} = {si_words(value, quantity_of(name), DIGITS)}"
+        f"{name} = {si_words(value, quantity_of(name)[1], DIGITS)}"
         for name, value in result.failing_start.items()
     )
     return words if result.failing_approach is None else f"{result.failing_approach}: {words}"

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from model.physics.parameters import FIELDS, Parameters, Shape
+from model.physics.parameters import Parameters, Shape
 from model.physics.quantities import (
     ACCELERATION,
     ANGLE,
@@ -24,7 +24,7 @@ from model.physics.quantities import (
 from model.physics.units import Units
 from vibralign.device import StatedDevice
 from vibralign.device.holder import natural_frequencies
-from vibralign.device.stated import quantity_of as quantity_in_file
+from vibralign.device.quantities import quantity_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -42,11 +42,6 @@ _MICRO, _FINE = ("µm", 1e-6), 1e-4  # in drawings: of lengths that are all belo
 _SHOWN = {each.unit: each for each in (LENGTH, TIME, SPEED, STIFFNESS, FORCE)}
 _FAR = 30.0  # ratio of two values from which each is printed in its own unit
 DIGITS = 4
-
-
-def quantity_of(name: str) -> Quantity:
-    """Return the quantity of a number of a device."""
-    return FIELDS[name].quantity if name in FIELDS else quantity_in_file(name)[1]
 
 
 def scale(units: Units | None, quantity: Quantity) -> float:
@@ -101,7 +96,7 @@ def written_words(
     """Return a quantity of a device in the unit in which it is stated, else as ``si_words``."""
     unit, one = stated.written.get(name, ("", 1.0)) if stated else ("", 1.0)
     if not unit:
-        return si_words(value, quantity_of(name), digits)
+        return si_words(value, quantity_of(name)[1], digits)
     return f"{rounded(value / one, digits)} {unit}"
 
 

@@ -25,8 +25,9 @@ from vibralign.device.amounts import read_positive
 from vibralign.device.approach import read_start
 from vibralign.device.mouth import MOUTH
 from vibralign.device.paper import baseline
+from vibralign.device.quantities import QUANTITIES, quantity_of, unit_of
 from vibralign.device.spelling import plain
-from vibralign.device.stated import FOLLOWED, QUANTITIES, quantity_of, unit_of
+from vibralign.device.stated import FOLLOWED
 from vibralign.device.unknown import refusal
 
 _ALL = "all"  # of the equations

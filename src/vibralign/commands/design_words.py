@@ -9,12 +9,14 @@ from vibralign.answers.forces import forces_words
 from vibralign.answers.si import named_words, si_words, written_words
 from vibralign.commands.arguments import set_options
 from vibralign.commands.assess import headline
-from vibralign.device.limits import LIMITS, OF_VIBRATOR, VIBRATION
+from vibralign.commands.limits import exceeded_words, limit_rows
+from vibralign.device.limits import LIMITS
 
 if TYPE_CHECKING:
     from vibralign.answers.assess import Assessment
     from vibralign.answers.design import Design, Known, Limiting
     from vibralign.answers.design_trials import Trials
+    from vibralign.answers.limits import LimitResult
     from vibralign.device import StatedDevice
 
 _line = "{:<23}{}".format
@@ -32,10 +34,20 @@ class Answer(NamedTuple):
         """The verdict on the recommended setting, as ``assess`` gives it."""
         check = self.design.check
         if check is not None and check.devices:
-            excess = " and ".join(_excess(self.design, name) for name in _exceeded(self.design))
-            return headline(self.assessed, check) + (f", but {excess}" if excess else "")
+            return headline(self.assessed, check, self.limits)
         words = headline(self.assessed, None).partition(";")[0]
         return f"{words}; no others within the tolerances were tried"
+
+    @property
+    def limits(self) -> "tuple[LimitResult, ...]":
+        """What the devices within the tolerances have of what a limit bounds."""
+        from vibralign.answers.limits import LimitResult  # noqa: PLC0415  (scipy)
+
+        of, best = self.design.tried.measures, self.design.best
+        return tuple(
+            LimitResult(name, limit, float(of[name][best]), None)
+            for name, limit in self.design.limits.items()
+        )
 
 
 def so_far(trials: "Trials", known: "Known") -> str:
@@ -70,7 +82,7 @@ def report(answer: Answer) -> list[str]:
     if design.feasible:
         lines = [_line("recommended", setting)]
     else:
-        lines = [nothing_found(design), _line("nearest to it", f"{setting}: {_faults(design)}")]
+        lines = [nothing_found(design), _line("nearest to it", f"{setting}: {_faults(answer)}")]
     lines.append(_line("verdict", answer.verdict))
     doubts = stated.changed(**design.setting).doubts
     lines += [_line("doubtful", each) for each in doubts if each not in stated.doubts]
@@ -82,11 +94,16 @@ def report(answer: Answer) -> list[str]:
     words = f"with deviations of {margin:.3g} times the tolerances"
     words = words if margin < 3.0 else "none within three times the tolerances"
     lines += [_line("nearest failure", words)] if margin > 0.0 else []
-    lines += _largest(answer)
-    if "vibration" in design.limits:
-        share, asked = tried.measures["vibration"][best], _asked(design.limits["vibration"])
-        words = f"needed by {100.0 * share:.3g} % of the devices within the tolerances"
-        lines.append(_line("vibration", f"{words} (limit: {asked})"))
+    some_fail = not tried.share[best] >= 1.0
+    for name, after in (("time", " until alignment"), ("contact_force", ""), ("tilt", "")):
+        value = float(tried.measures[name][best])
+        if not math.isnan(value):  # something goes in; what does not has no time
+            after += ", of the runs that go in" if some_fail and name == "time" else ""
+            lines.append(_line(f"largest {name}", si_words(value, LIMITS[name][1]) + after))
+    if design.check is not None and design.check.forces:
+        words = forces_words(design.check.forces, None, answer.trials.settings, in_si=True)
+        lines.append(_line("  of the force", words))
+    lines += [_line(*row) for row in limit_rows(answer.limits)]
     words = f"{tried.share.size} settings quickly, {len(design.checks)} as assess checks them"
     if design.check is not None:
         drawn = f"{design.check.devices:,} devices" if design.check.devices else "none drawn"
@@ -107,49 +124,13 @@ def _exceeded(design: "Design") -> list[str]:
     return [each.name for each in design.limiting if each.kind == "limit" and each.passed]
 
 
-def _faults(design: "Design") -> str:
+def _faults(answer: Answer) -> str:
     """Return how many devices go in at a setting that does not hold, and the limits it passes."""
-    check, words = design.check, ["as stated it does not go in"]
+    check, words = answer.design.check, "as stated it does not go in"
     if check is not None and check.devices:
-        words = [f"{check.going_in:,} of {check.devices:,} drawn devices go in"]
-    return "; ".join(words + [_excess(design, name) for name in _exceeded(design)])
-
-
-def _excess(design: "Design", name: str) -> str:
-    """Return by how much the recommended setting passes a limit."""
-    if name == "vibration":
-        return f"the vibration is not always {_asked(design.limits[name])}"
-    values = float(design.tried.measures[name][design.best]), design.limits[name]
-    value, limit = (si_words(each, LIMITS[name][1]) for each in values)
-    return f"its largest {name} {value} exceeds the limit of {limit} ({_more(*values)})"
-
-
-def _more(value: float, than: float) -> str:
-    """Return how much more a value is: a percentage, or a factor from 2 upwards."""
-    ratio = value / than
-    return f"{100.0 * (ratio - 1.0):+.2g} %" if ratio < 2.0 else f"{ratio:.3g} times as much"
-
-
-def _largest(answer: Answer) -> list[str]:
-    """Return lines on the largest time, force and tilt, and on what the vibrator has to give."""
-    lines, design = [], answer.design
-    some_fail = not design.tried.share[design.best] >= 1.0
-    for name, (_, quantity) in LIMITS.items():
-        limit = design.limits.get(name)
-        if limit is None and name in OF_VIBRATOR:
-            continue
-        most = "" if limit is None else f" (limit {si_words(limit, quantity)})"
-        if math.isnan(design.tried.measures[name][design.best]):  # nothing goes in
-            continue
-        if name == "time":  # what does not go in has none
-            most = f" until alignment{', of the runs that go in' if some_fail else ''}{most}"
-        value = si_words(float(design.tried.measures[name][design.best]), quantity)
-        lines.append(_line(f"largest {name}", value + most))
-        if name == "contact_force" and design.check is not None and design.check.forces:
-            settings = answer.trials.settings
-            words = forces_words(design.check.forces, None, settings, in_si=True)
-            lines.append(_line("  of the force", words))
-    return lines
+        words = f"{check.going_in:,} of {check.devices:,} drawn devices go in"
+    exceeds = exceeded_words(answer.limits, only_drawn=False)
+    return f"{words}; {exceeds}" if exceeds else words
 
 
 def _limiting_lines(answer: Answer) -> list[str]:
@@ -171,11 +152,6 @@ def _limiting_words(answer: Answer, of: "Limiting") -> str:
     low, high = answer.design.free[name]
     end = low if kind == "lower end" else high
     return f"the {kind} of the range of {name}, {written_words(name, end, answer.trials.stated)}"
-
-
-def _asked(share: float) -> str:
-    """Return the words by which a device file states this limit of the vibration."""
-    return next(words for words, each in VIBRATION.items() if each == share)
 
 
 def record(answer: Answer) -> dict[str, Any]:

@@ -28,8 +28,9 @@ from vibralign.commands.files import check_file, check_picture, writing
 from vibralign.commands.program import add_command
 from vibralign.commands.progress import ProgressLine
 from vibralign.device.amounts import read_amount, read_range
+from vibralign.device.quantities import unit_of
 from vibralign.device.spelling import ends_of, plain
-from vibralign.device.stated import StatedDevice, unit_of
+from vibralign.device.stated import StatedDevice
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -24,7 +24,8 @@ from vibralign.device.instead import (
 from vibralign.device.limits import read_limits
 from vibralign.device.mouth import as_parameters
 from vibralign.device.plausibility import DeviceError, NoNeedError, check_press
-from vibralign.device.stated import StatedDevice, amounts_of, by_quantity, kept_amplitude, unit_of
+from vibralign.device.quantities import unit_of
+from vibralign.device.stated import StatedDevice, amounts_of, by_quantity, kept_amplitude
 from vibralign.device.unknown import SAMPLES, SECTION, read_unknown
 
 

@@ -26,7 +26,8 @@ from vibralign.device.amounts import read_positive
 from vibralign.device.approach import read_start
 from vibralign.device.load import load_device
 from vibralign.device.mouth import judged
-from vibralign.device.stated import QUANTITIES, StatedDevice
+from vibralign.device.quantities import QUANTITIES
+from vibralign.device.stated import StatedDevice
 from vibralign.device.unknown import refusal
 
 Device = Parameters | StatedDevice
@@ -74,9 +75,11 @@ def stated_of(given: object) -> StatedDevice:
     return device
 
 
-def stated_devices(given: AnyDevice | Iterable[AnyDevice]) -> list[StatedDevice]:
-    """Return the devices of a list, or the one in place of a list; errors as ``stated_of``."""
-    return [stated_of(each) for each in _listed(given)]
+def listed(given: AnyDevice | Iterable[AnyDevice]) -> list[Any]:
+    """Return the list, or one of the device that is given in place of a list."""
+    if isinstance(given, (str, Mapping)) or not isinstance(given, Iterable):
+        return [given]
+    return list(given)
 
 
 def devices_in(given: AnyDevice | Iterable[AnyDevice]) -> list[Device]:
@@ -85,12 +88,7 @@ def devices_in(given: AnyDevice | Iterable[AnyDevice]) -> list[Device]:
     Raises:
         TypeError, DeviceError: as ``device_of``.
     """
-    return [device_of(each) for each in _listed(given)]
-
-
-def _listed(given: AnyDevice | Iterable[AnyDevice]) -> Iterable[object]:
-    is_one = isinstance(given, (str, Mapping)) or not isinstance(given, Iterable)
-    return [given] if is_one else given  # type: ignore[return-value]
+    return [device_of(each) for each in listed(given)]
 
 
 def _check_start(device: StatedDevice, start: str | None) -> None:

@@ -1,6 +1,5 @@
 """Devices in SI units as their files state them: quantities, tolerances, base, ranges, limits."""
 
-import difflib
 import math
 import warnings
 from collections.abc import Collection, Iterable, Mapping
@@ -10,11 +9,9 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from model.events.scenes import ALIGNMENT
-from model.physics.fields import Bound
-from model.physics.parameters import FIELDS, Parameters, Shape
-from model.physics.quantities import Quantity
+from model.physics.parameters import Parameters, Shape
 from model.physics.tables import Value, vars_of
-from model.physics.units import UNITS, Device, Units, device
+from model.physics.units import Device, Units, device
 from model.runs.settings import Settings
 from vibralign.device.amounts import Amount, Tolerance, read_amount
 from vibralign.device.approach import (
@@ -27,9 +24,9 @@ from vibralign.device.approach import (
     read_start,
     with_changes,
 )
-from vibralign.device.base import BASE, pair_of, with_base
+from vibralign.device.base import pair_of, with_base
 from vibralign.device.fits import play_of
-from vibralign.device.instead import INSTEAD, check_centre, replaced_by, with_parameters
+from vibralign.device.instead import check_centre, replaced_by, with_parameters
 from vibralign.device.limits import OF_VIBRATOR, of_vibrator
 from vibralign.device.mouth import (
     CHAMFERS,
@@ -37,7 +34,6 @@ from vibralign.device.mouth import (
     MOUTH,
     REPLACED,
     as_parameters,
-    check_not_replaced,
 )
 from vibralign.device.plausibility import (
     NoNeedError,
@@ -47,18 +43,12 @@ from vibralign.device.plausibility import (
     wide_tilts,
     without_unit,
 )
+from vibralign.device.quantities import check_quantity, unit_of
 from vibralign.device.unknown import Range
 from vibralign.doubts import DoubtWarning
 
-_OWN = {**{n: each for n, each in FIELDS.items() if n not in REPLACED}, **UNITS, **MOUTH}
-QUANTITIES = (*UNITS, *(n for n in _OWN if n not in UNITS), *INSTEAD, *BASE)
 FOLLOWED = "a part with chamfers is followed until its face has reached them, no further"
 BESIDES = ("materials", "fit", "free", "limits", "vibrator", "shape")
-
-_WHOLE = {  # what is close to the name of its half
-    "width": "Write diameter, of a square part its width; half_width is half of it",
-    "height": "Write length, of the whole part; half_height is half of it",
-}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -330,48 +320,6 @@ class StatedDevice(Value):
         if GRIPPER_TILT in bare and GRIPPER_TILT in self.tolerances:
             found += wide_tilts(self.tolerances[GRIPPER_TILT].end(0.0))
         return [*self.notes, *found]
-
-
-def unit_of(name: str) -> str:
-    """Return the SI unit of a quantity of a device, "1" if it has none.
-
-    Raises:
-        ValueError: an unknown quantity.
-    """
-    return quantity_of(name)[1].unit
-
-
-def quantity_of(name: str) -> tuple[str, Quantity, str]:
-    """Return meaning, physical quantity and symbol of a quantity of a device; "" without a symbol.
-
-    Raises:
-        ValueError: an unknown quantity.
-    """
-    check_quantity(name)
-    if name in _OWN:
-        return _OWN[name].description, _OWN[name].quantity, _OWN[name].symbol
-    if name in INSTEAD:
-        each = INSTEAD[name]
-        return f"{each.description}, in place of {each.parameter}", each.quantity, ""
-    return *BASE[name], ""
-
-
-def bound_of(name: str) -> Bound:
-    """Return the admissible range of a quantity of a device."""
-    return (_OWN | INSTEAD)[name].bound if name not in BASE else "> 0"  # type: ignore[operator]
-
-
-def check_quantity(name: str) -> None:
-    """Refuse a name that is no quantity of a device; of an old one, say what to write instead."""
-    check_not_replaced(name)
-    if name not in QUANTITIES:
-        near = difflib.get_close_matches(name, QUANTITIES, n=1)
-        hint = f"Did you mean {near[0]!r}? " if near else ""
-        hint = f"{_WHOLE[name]}. " if name in _WHOLE else hint
-        raise ValueError(
-            f"unknown quantity of a device {name!r}. {hint}`vibralign new FILE` writes a file with "
-            "those that a device has, `vibralign simulate --help` lists all"
-        )
 
 
 def kept_amplitude(

@@ -219,7 +219,6 @@ function stuck(what, error) {
 }
 
 async function start() {
-  element("unscripted").remove();
   element("gradient").style.background = `linear-gradient(90deg, ${CIVIDIS.map((each) => `rgb(${each.join(",")})`).join(", ")})`;
   makeControls();
   element("save").hidden = !MODEL.units;

@@ -36,7 +36,6 @@ def build_page(model: Mapping[str, Any], module: Module) -> str:
     parts = {
         "title": html.escape(model["title"]),
         "footer": html.escape(model["footer"]),
-        "unscripted": _unscripted(model),
         "style": _text("page.css"),
         "model": stated.replace(
             "<", "\\u003c"
@@ -45,19 +44,6 @@ def build_page(model: Mapping[str, Any], module: Module) -> str:
     }
     page = re.sub("@([a-z]+)@", lambda found: parts[found[1]], _text("page.html"))
     return page.encode("utf-8", "backslashreplace").decode()  # a name may be no text
-
-
-def _unscripted(model: Mapping[str, Any]) -> str:
-    """Return what stands in the page until its scripts run, where they may: values."""
-    words = "This page needs JavaScript, which is off or not allowed here. Its device:"
-    values = model["baseline"]
-    cells = (
-        (each["words"], f"{values[each['name']]:.4g}", each["si"])
-        for each in model["parameters"]
-        if values[each["name"]] is not None
-    )
-    rows = ("".join(f"<td>{html.escape(cell)}</td>" for cell in row) for row in cells)
-    return f"<p>{words}</p><table>{''.join(f'<tr>{row}</tr>' for row in rows)}</table>"
 
 
 def _text(name: str) -> str:

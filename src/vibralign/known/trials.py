@@ -19,8 +19,8 @@ from model.sweeps.files import read_text
 from vibralign.device import StatedDevice
 from vibralign.device.amounts import read_amount, read_positive
 from vibralign.device.plausibility import DISTRUSTED
+from vibralign.device.quantities import unit_of
 from vibralign.device.spelling import plain
-from vibralign.device.stated import unit_of
 
 RESULT, NOTE = "result", "note"
 ERROR = 0.05  # relative error of a time whose error is not stated

@@ -8,7 +8,7 @@ import pytest
 from vibralign.commands import main as cli
 from vibralign.device import load_device
 from vibralign.device.limits import LIMITS
-from vibralign.device.stated import QUANTITIES
+from vibralign.device.quantities import QUANTITIES
 
 DOCS = Path(__file__).resolve().parents[3] / "docs"
 TUTORIAL = (DOCS / "tutorial.md").read_text(encoding="utf-8")
