@@ -124,7 +124,7 @@ def small_study(fixed_study: Study) -> Callable[[int, int], Study]:
 def _no_leeways(monkeypatch: pytest.MonkeyPatch) -> None:
     """Leave out the leeways, or the reliable values beside: most runs of an assessment."""
     module = importlib.import_module("vibralign.answers.assess")  # not the function
-    for name, nothing in {"leeways": (), "nearest": (), "together": {}}.items():
+    for name, nothing in {"leeways": (), "nearest": ()}.items():
         monkeypatch.setattr(module, name, lambda *_, nothing=nothing: nothing)
 
 

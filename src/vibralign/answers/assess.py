@@ -38,7 +38,6 @@ from vibralign.answers.leeways import (
     a_step_inside,
     leeways,
     nearest,
-    together,
 )
 from vibralign.answers.reliability import (
     FORCES,
@@ -56,8 +55,6 @@ from vibralign.device.batches import Values
 from vibralign.device.limits import of_vibrator
 from vibralign.device.mouth import GRIPPER_TILT
 from vibralign.device.runs import AnyDevice, of_device, settings_for, stated_of
-
-_PAIRED = "press_force", "tilt_stiffness", "friction", "amplitude"  # changed two together
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -79,10 +76,9 @@ class Assessment(Value):
         forces: largest force over all cases by the place of contact.
         inserted: shortest and longest time until inserted, NaN without any.
         cause: why the failing case fails, in words; empty if none fails.
-        change: the first change that makes it reliable, tried: values of one parameter or two, in
-            SI units; empty if none was found. A change of one parameter goes
-            a step (6 %) beyond the nearest reliable value, if that is reliable as well. It keeps
-            the limits of the file, if any change tried does.
+        change: the first change that makes it reliable, tried: the value of one parameter, in SI
+            units; empty if none was found. It goes a step (6 %) beyond the nearest reliable value,
+            if that is reliable as well. It keeps the limits of the file, if any change tried does.
         change_exceeds: names of the limits that the change exceeds; empty if one tried keeps all.
         tilts: verdicts on the gripper's tilts that are tried, its own first; empty if only one is.
         tilt_range: range of the gripper's tilt in which it succeeds in all other cases; None if
@@ -285,8 +281,7 @@ def _advice(
     else:  # the cases of the other approaches only where those of the worst succeed
         own = replace(asked, also=None)
         near = nearest(asked.device, asked.also.reliable, held, own.reliable)
-    change = a_step_inside(asked.device, asked.reliable, first_change(cause, near))
-    return near, change or together(asked.device, asked.reliable, _PAIRED)
+    return near, a_step_inside(asked.device, asked.reliable, first_change(cause, near))
 
 
 def _limits_of(device: StatedDevice) -> dict[str, float]:

@@ -43,7 +43,6 @@ DIGITS = 4  # of the values
 FINEST = STEP ** (1.0 / math.prod(PARTS)) * (1.0 + 10.0 ** (1 - DIGITS)) - 1.0  # 0.4 %
 _FINEST_STEP = math.log(1.0 + FINEST) / math.log(STEP)  # in steps
 UNBROKEN, BEYOND, ACROSS = 8, 3, 24  # values inwards from an end, outwards, and to the own value
-PAIRED = 13  # values of each of two parameters that are changed together
 
 Names = Collection[str]
 IsReliable = Callable[[Mapping[str, np.ndarray]], np.ndarray]
@@ -179,43 +178,14 @@ def nearest(
     )
 
 
-def together(device: StatedDevice, is_reliable: IsReliable, names: Names) -> dict[str, float]:
-    """Return the nearest reliable values of two of these parameters; empty if none is found.
-
-    Both are changed by up to the factor of a scan, the other parameters held.
-    """
-    own = _own(device)
-    names = [name_in(device.quantities, name) for name in names]
-    values = {
-        name: [own[name], *(v for step in (-4.0, 4.0)
-                            for v in _values(device, name, own[name], step, PAIRED // 2)[1:])]
-        for name in dict.fromkeys(names) if own.get(name, 0.0) != 0.0
-    }  # fmt: skip
-    tried = [
-        {one: x, two: y}
-        for one, two in itertools.combinations(values, 2)
-        for x in values[one][1:]
-        for y in values[two][1:]
-    ]
-    if not tried:
-        return {}
-    swept = {name: np.array([each.get(name, own[name]) for each in tried]) for name in values}
-    good = [each for each, found in zip(tried, is_reliable(swept).tolist(), strict=True) if found]
-
-    def change(each: Mapping[str, float]) -> float:
-        return sum(steps_between(name, own[name], value) ** 2 for name, value in each.items())
-
-    return min(good, key=change, default={})
-
-
 def a_step_inside(
     device: StatedDevice, is_reliable: IsReliable, change: Mapping[str, float]
 ) -> Mapping[str, float]:
     """Return a change of one parameter a step further from its own value, where that is reliable.
 
-    Else, and for any other change, the change itself.
+    Else the change itself; an empty one is returned as it is.
     """
-    if len(change) != 1:
+    if not change:
         return change
     [(name, border)] = change.items()
     way = math.copysign(1.0, steps_between(name, _own(device)[name], border))

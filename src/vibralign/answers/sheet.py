@@ -108,11 +108,10 @@ def part_words(stated: StatedDevice) -> str:
 
 def change_words(result: "Assessment") -> str:
     """Return the first change of a device that is not reliable."""
-    words = " and ".join(f"{n} to {value_words(result, n, v)}" for n, v in result.change.items())
+    [(name, value)] = result.change.items()
     borders = [{each.parameter: v} for each in result.nearest for v in (each.below, each.above)]
     tried = "tried; 6 % further it is not" if result.change in borders else "tried"
-    with_it = "with both" if len(result.change) > 1 else "with it"
-    said = f"{words}: {with_it}, it is reliable ({tried})"
+    said = f"{name} to {value_words(result, name, value)}: with it, it is reliable ({tried})"
     exceeded = " and ".join(result.change_exceeds)
     none = "no change that was tried keeps the limits"
     return f"{said}; {none}: this one exceeds the limit of {exceeded}" if exceeded else said

@@ -68,8 +68,7 @@ def leeway_lines(result: "Assessment") -> list[str]:
         lines.append("becomes reliable if one parameter is changed, to:")
         lines += in_columns([_nearest_row(each, result) for each in result.nearest])
     elif result.failing_start is not None:
-        words = "no single parameter makes it reliable within a factor of four"
-        lines.append(words if result.change else f"{words}, nor do two of those tried")
+        lines.append("no single parameter makes it reliable within a factor of four")
     if result.tilt_range is not None:
         lines.append("goes in with any one tilt of the gripper in this range (known to 0.005°):")
         lines += in_columns([_leeway_row(result.tilt_range, result)])
