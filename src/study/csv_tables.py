@@ -1,8 +1,8 @@
-"""Write and read tables as CSV text; equal rows give equal bytes."""
+"""Write and read dataclass records as CSV tables; equal rows give equal bytes."""
 
 import csv
 import io
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import MISSING, fields
 from enum import Enum, IntEnum
 from pathlib import Path
@@ -13,43 +13,6 @@ Row = TypeVar("Row")
 
 class TableError(ValueError):
     """Error: a table is missing, empty, or does not have the expected columns."""
-
-
-def csv_text(columns: Sequence[str], rows: Iterable[Mapping[str, Any]]) -> str:
-    """Return a table as CSV, the header first.
-
-    Raises:
-        ValueError: a row has a key that is not in ``columns``.
-    """
-    text = io.StringIO()
-    writer = csv.DictWriter(text, columns, lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
-    return text.getvalue()
-
-
-def read_rows(path: Path, what: str, read: Callable[[dict[str, str]], Row]) -> list[Row]:
-    """Read the rows of a CSV file.
-
-    Args:
-        path: the file.
-        what: contents of the table, for the error message.
-        read: makes a row from texts by column. It raises KeyError, TypeError or ValueError for a
-            row that it cannot read.
-
-    Raises:
-        TableError: the file is missing or empty, or ``read`` refuses a row.
-    """
-    try:
-        rows = list(csv.DictReader(io.StringIO(path.read_text(encoding="utf-8"))))
-        if not rows:
-            raise ValueError("it has no rows")  # noqa: TRY301 - reported with the others below
-        return [read(row) for row in rows]
-    except (OSError, KeyError, ValueError, TypeError, csv.Error) as error:
-        raise TableError(f"{path}: is not a table of {what} ({error}): build it again") from None
-
-
-# --- Dataclasses as rows ------------------------------------------------------------------------
 
 
 def records_text(
@@ -71,7 +34,10 @@ def records_text(
             return value.name.lower()
         return value.value if isinstance(value, Enum) else format(value, formats.get(name, ""))
 
-    return csv_text(names, ({name: written(each, name) for name in names} for each in records))
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerows([names, *([written(each, name) for name in names] for each in records)])
+    return text.getvalue()
 
 
 def read_records(path: Path, what: str, kind: type[Row]) -> list[Row]:
@@ -92,4 +58,10 @@ def read_records(path: Path, what: str, kind: type[Row]) -> list[Row]:
         ]
         return kind(**{field.name: value(row[field.name], field.type) for field in given})
 
-    return read_rows(path, what, read)
+    try:
+        rows = list(csv.DictReader(io.StringIO(path.read_text(encoding="utf-8"))))
+        if not rows:
+            raise ValueError("it has no rows")  # noqa: TRY301 - reported with the others below
+        return [read(row) for row in rows]
+    except (OSError, KeyError, ValueError, TypeError, csv.Error) as error:
+        raise TableError(f"{path}: is not a table of {what} ({error}): build it again") from None

@@ -4,8 +4,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from model.sweeps.axes import Axis, Family
-from study.config.figures import Curves, Map
+from model.sweeps.axes import Family
 from study.config.study import Study
 from vibralign.answers.assumptions import assumptions
 from vibralign.explorer.content import DEFAULT_AXES, described, page_model
@@ -37,7 +36,7 @@ def _figure(study: Study, name: str) -> dict[str, Any]:
         "group": "Figures", "title": f"{figure_title(name)}: {spec.title}", "words": spec.caption,
     }  # fmt: skip
     spans = {}
-    for side, axis in zip("xy", _varied(spec), strict=False):
+    for side, axis in zip("xy", reversed(spec.varied), strict=False):
         preset[side], value = axis.parameter, values[axis.parameter]
         if isinstance(axis, Family):
             values[axis.parameter] = axis.values[len(axis.values) // 2]
@@ -48,18 +47,11 @@ def _figure(study: Study, name: str) -> dict[str, Any]:
     return {**preset, "spans": spans, "values": values}
 
 
-def _varied(spec: object) -> tuple[Axis | Family, ...]:
-    """Return what a figure varies: along x, and along y or from curve to curve."""
-    if isinstance(spec, Curves):
-        return spec.swept, spec.family
-    return (spec.x, spec.y) if isinstance(spec, Map) else ()
-
-
 def _axes(study: Study) -> dict[str, tuple[float, float]]:
     """Return the range of each parameter over all figures that vary it."""
     ranges: dict[str, tuple[float, float]] = {}
     for spec in study.figures.values():
-        for axis in _varied(spec):
+        for axis in reversed(spec.varied):
             low, high = ranges.get(axis.parameter, (math.inf, -math.inf))
             ranges[axis.parameter] = min(low, *axis.values), max(high, *axis.values)
     return ranges

@@ -1,7 +1,9 @@
 """Sweeps of the study, as the configuration states them."""
 
+from typing import Any
+
 from model.sweeps.sweep import Sweep
-from study.config.figures import Curves, History, Schematic
+from study.config.figures import Jamming, Plane, Schematic
 from study.config.study import Study
 
 _IN_THE_SLOT = (
@@ -11,30 +13,26 @@ _IN_THE_SLOT = (
 
 
 def sweep_of(study: Study, name: str) -> Sweep:
-    """Return the sweep of a figure, a map, a run of the claims, or of "jamming".
+    """Return the sweep of a figure, a map, or of "jamming".
 
     Raises:
         ValueError: the figure is a drawing.
     """
-    if name == "jamming":
-        slot = study.jamming
-        return Sweep(
-            name=name,
-            kind="map",
-            parameters=study.baseline.replace(**slot.held).given(),
-            settings=study.settings.model_copy(update={"scene": "insertion"}),
-            dimensions=[slot.clearance, slot.tilt_stiffness, slot.friction],
-            variables=_IN_THE_SLOT,
-        )
-    spec = study.spec_of(name)
-    given = {"name": name, "settings": study.settings}
-    given["parameters"] = study.parameters(name).given()
+    spec = study.jamming if name == "jamming" else study.spec_of(name)
     if isinstance(spec, Schematic):
         raise ValueError(f"{name} is a drawing: it has no sweep")  # noqa: TRY004
-    if isinstance(spec, History):
-        return Sweep(kind="history", dimensions=[], **given)
-    if isinstance(spec, Curves):
-        return Sweep(kind="curves", dimensions=[spec.family, spec.swept], **given)
-    if spec.shape is not None:
-        given["settings"] = study.settings.model_copy(update={"shape": spec.shape})
-    return Sweep(kind="map", dimensions=[spec.y, spec.x], ensemble=study.maps.ensemble, **given)
+    settings: dict[str, Any] = {}
+    more: dict[str, Any] = {}
+    if isinstance(spec, Jamming):
+        settings, more = {"scene": "insertion"}, {"variables": _IN_THE_SLOT}
+    elif isinstance(spec, Plane):
+        settings = {} if spec.shape is None else {"shape": spec.shape}
+        more = {"ensemble": study.maps.ensemble}
+    return Sweep(
+        name=name,
+        kind=getattr(spec, "kind", "map"),
+        parameters=study.baseline.replace(**spec.held).given(),
+        settings=study.settings.model_copy(update=settings),
+        dimensions=[*spec.varied],
+        **more,
+    )

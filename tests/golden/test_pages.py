@@ -35,7 +35,7 @@ LINES: dict[str, list[tuple[str, int]]] = {
     "accept": [("--root ROOT --reference NEW --figure all --claims --reason 'a first'", 0)],
     "verify": [("--root ROOT --reference REFERENCE", 0),
                ("--root ROOT --reference REFERENCE --figure 13 --json", 0)],
-    "claims": [("--root ROOT", 0), ("--root ROOT --regime", 0), ("--root ROOT --json", 0)],
+    "claims": [("--root ROOT", 0), ("--root ROOT --json", 0)],
 }  # fmt: skip
 
 

@@ -312,7 +312,9 @@ def test_differences_of_every_kind_are_found(capsys: Any, results: Path, kept: P
     assert "fig10.nc: only in " in said
     assert f"claims.csv: not judged since {kept}/data/" in said
     assert found["claims"] is None
-    assert any(each.startswith("fig09.nc:") and "title" in each for each in found["other_data"])
+    assert any(
+        each.startswith("data/fig09.nc:") and "title" in each for each in found["other_data"]
+    )
 
 
 def test_a_trajectory_is_compared_away_from_its_jumps() -> None:

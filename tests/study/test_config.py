@@ -61,7 +61,7 @@ REFUSED = [
     ("figures.fig06.swept.parameter", "press", ["figures.fig06.swept.parameter", "press_force"]),
     ("figures.fig06.family.values", [5.0, 5.0], ["figures.fig06.family", "differ"]),
     ("figures.fig06.held.press_force", 1.0, ["figures.fig06.held.press_force", "varied"]),
-    ("figures.fig06.held.misalignment", 9.0, ["figures.fig06.held", "misalignment = 9.0"]),
+    ("figures.fig06.held.misalignment", 9.0, ["figures.fig06: misalignment = 9.0"]),
     ("accuracy.sets", 0, ["accuracy.sets = 0", "equal to 1"]),
     ("accuracy.ranges.press", {"low": 1.0, "high": 2.0}, ["accuracy.ranges", "press_force"]),
     ("accuracy.ranges.friction.low", 1.0, ["accuracy.ranges.friction", "low = 1.0", "high = 0.5"]),

@@ -13,7 +13,6 @@ from model.sweeps.io import DatasetError, read_dataset, write_dataset
 from study.claims.ledger import read_ledger
 from study.csv_tables import TableError
 from study.tracking import TrackingError
-from study.tracking.compare import changed_verdicts
 from study.tracking.history import load_history
 from study.tracking.reference import verify
 from vibralign.device import DeviceError, load_device
@@ -55,10 +54,6 @@ REFUSED = {
     "record of a start": Refused(
         "history/1.json", lambda path: path.write_text(json.dumps(RECORD), encoding="utf-8"),
         lambda path: load_history(path.parents[1]), TrackingError, "delete it",
-    ),
-    "verdicts": Refused(
-        "claims.csv", lambda path: path.write_text("id,verdict\nF6a,reproduced\n", "utf-8"),
-        lambda path: changed_verdicts(path, path), TableError, "build it again",
     ),
     "table": Refused(
         "claims.csv",

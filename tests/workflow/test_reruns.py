@@ -43,7 +43,6 @@ EDITS = [
 ]  # fmt: skip
 MORE_EDITS = [
     ("src/model/sweeps/io.py", '"complevel": 4', '"complevel": 5', COMPUTED - COMPARED),
-    ("src/study/config/runs.py", *EDIT, {"explorer", *WEIGHED}),
     ("workflow/scripts/merge.py", *EDIT, {"merge", *DRAWN}),
     ("src/study/config/methods.py", "gt=0.0", "gt=1e-9",
      {*METHODS, "explorer", *WEIGHED}),

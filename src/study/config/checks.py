@@ -1,12 +1,12 @@
 """Rules that need the whole study, such as those of parameters whose values are in two sections."""
 
+import itertools
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
-from model.physics.parameters import FIELDS, REQUIRED_NAMES, Batch, Parameters, check_name
-from model.sweeps.axes import Axis, Family, check_plane
-from study.config.figures import Curves, Map
+from model.physics.parameters import FIELDS, REQUIRED_NAMES, check_name
+from study.config.figures import FigureSpec, Jamming, Plane
 from study.config.study import Study
 
 _DRAWINGS = Path(__file__).resolve().parents[1] / "schematics"
@@ -16,7 +16,7 @@ def faults_of(study: Study) -> list[str]:
     """Return a line for every fault that only the whole study shows: path, value and rule."""
     faults = [*_values(study)]
     if not faults:
-        for check in (_ranges, _figures, _searched, _planes, _jamming, _cases, _others):
+        for check in (_ranges, _sweeps, _searched, _cases, _others):
             check(study, faults)
     return faults
 
@@ -35,21 +35,6 @@ def _noted(place: str, faults: list[str]) -> Iterator[None]:
         yield
     except (TypeError, ValueError) as error:
         faults.append(f"{place}: {error}")
-
-
-def _varied(
-    place: str, what: str, parts: Iterable[Axis | Family], held: Iterable[str]
-) -> Iterable[str]:
-    """Yield a line for each parameter that is varied twice, or both held and varied."""
-    names = [part.parameter for part in parts]
-    if len(set(names)) < len(names):
-        yield f"{place}: {names[0]!r} is varied twice"
-    for each in sorted(set(names) & set(held)):
-        yield f"{place}.held.{each}: is varied in the same {what}"
-
-
-def _vary(parameters: Parameters, part: Axis | Family) -> None:
-    Batch.of(parameters, **{part.parameter: part.values})
 
 
 def _values(study: Study) -> Iterable[str]:
@@ -77,43 +62,25 @@ def _ranges(study: Study, faults: list[str]) -> None:
             study.baseline.replace(**worst)
 
 
-def _figures(study: Study, faults: list[str]) -> None:
-    for name, figure in study.figures.items():
-        place = f"figures.{name}"
-        if figure.kind == "schematic" and not (_DRAWINGS / f"{name}.py").is_file():
-            faults.append(
-                f"{place}.kind = 'schematic': needs its drawing, study/schematics/{name}.py"
-            )
-        varied: dict[str, Axis | Family] = {}
-        if isinstance(figure, Curves):
-            varied = {"swept": figure.swept, "family": figure.family}
-        elif isinstance(figure, Map):
-            varied = {"x": figure.x, "y": figure.y}
-        faults += _varied(place, "figure", varied.values(), figure.held)
-        with _noted(f"{place}.held", faults):
-            held = study.parameters(name)
-            for key, part in varied.items():
-                with _noted(f"{place}.{key}", faults):
-                    _vary(held, part)
-
-
-def _planes(study: Study, faults: list[str]) -> None:
-    for name, plane in study.maps.planes.items():
-        place = f"maps.planes.{name}"
-        for axis in (plane.x, plane.y):
-            faults += _varied(place, "map", (axis,), plane.held)
+def _sweeps(study: Study, faults: list[str]) -> None:
+    """Check figures, maps and jamming: what each varies and holds, at all corners of its grid."""
+    specs: dict[str, FigureSpec | Plane | Jamming] = {"jamming": study.jamming}
+    specs |= {f"figures.{name}": spec for name, spec in study.figures.items()}
+    specs |= {f"maps.planes.{name}": plane for name, plane in study.maps.planes.items()}
+    for place, spec in specs.items():
+        names = [part.parameter for part in spec.varied]
+        if len(set(names)) < len(names):
+            faults.append(f"{place}: {names[0]!r} is varied twice")
+        both = sorted({*names} & {*spec.held})
+        faults += [f"{place}.held.{each}: is varied in the same figure" for each in both]
+        ends = [(min(part.values), max(part.values)) for part in spec.varied]
         with _noted(place, faults):
-            held = study.baseline.replace(**plane.held)
-            check_plane(lambda values: held.replace(**values), plane.x, plane.y)  # noqa: B023
-
-
-def _jamming(study: Study, faults: list[str]) -> None:
-    spec = study.jamming
-    parts = (spec.clearance, spec.tilt_stiffness, spec.friction)
-    faults += _varied("jamming", "figure", parts, spec.held)
-    for part in parts:
-        with _noted("jamming", faults):
-            _vary(study.baseline.replace(**spec.held), part)
+            for corner in itertools.product(*ends):
+                study.baseline.replace(**{**spec.held, **dict(zip(names, corner, strict=True))})
+    for name in study.named("schematic"):
+        if not (_DRAWINGS / f"{name}.py").is_file():
+            drawing = f"study/schematics/{name}.py"
+            faults.append(f"figures.{name}.kind = 'schematic': needs its drawing, {drawing}")
 
 
 def _searched(study: Study, faults: list[str]) -> None:

@@ -23,6 +23,11 @@ class FigureBase(Strict):
     held: ParameterValues = Field(default_factory=dict)
     """Parameters held at other values than the operating point's."""
 
+    @property
+    def varied(self) -> tuple[Axis | Family, ...]:
+        """What the figure varies, slowest first."""
+        return ()
+
 
 class Schematic(FigureBase):
     """A drawing of the model (Figs. 1 to 4)."""
@@ -50,6 +55,11 @@ class Curves(FigureBase):
     chunks: int = Field(ge=1, le=64)
     """Number of jobs that the points are divided among."""
 
+    @property
+    def varied(self) -> tuple[Axis | Family, ...]:
+        """What the figure varies, slowest first."""
+        return self.family, self.swept
+
 
 class Plane(FigureBase):
     """Outcome and duration over two parameters."""
@@ -63,6 +73,11 @@ class Plane(FigureBase):
     chunks: int = Field(ge=1, le=1000)
     """Number of jobs that the points are divided among."""
 
+    @property
+    def varied(self) -> tuple[Axis | Family, ...]:
+        """What the map varies, slowest first."""
+        return self.y, self.x
+
 
 class Map(Plane):
     """A map that is a figure of the paper (Figs. 13 and 14)."""
@@ -73,6 +88,26 @@ class Map(Plane):
 
 FigureSpec = Annotated[Schematic | History | Curves | Map, Discriminator("kind")]
 KINDS = ("schematic", "history", "curves", "map")
+
+
+class Jamming(Strict):
+    """Runs with the contacts inside the slot; see model/sweeps/sweep.py."""
+
+    title: Text
+    """Title of the figure."""
+    held: ParameterValues = Field(default_factory=dict)
+    """Parameters held at other values than the operating point's."""
+    clearance: Family
+    """Clearances, a panel each."""
+    tilt_stiffness: Axis
+    """Tilt stiffness; it varies the tilt at entry."""
+    friction: Axis
+    """Friction."""
+
+    @property
+    def varied(self) -> tuple[Axis | Family, ...]:
+        """What the runs vary, slowest first."""
+        return self.clearance, self.tilt_stiffness, self.friction
 
 
 class Maps(Strict):

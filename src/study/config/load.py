@@ -2,14 +2,14 @@
 
 import difflib
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from pathlib import Path
-from types import UnionType
-from typing import Annotated, Any, Union, get_args, get_origin
+from typing import Any
 
 import yaml
 from pydantic import BaseModel, ValidationError
 
+from model.sweeps.axes import Strict
 from model.sweeps.files import parse_yaml, read_text
 from study.config.base import ConfigError
 from study.config.checks import faults_of
@@ -17,28 +17,9 @@ from study.config.figures import KINDS
 from study.config.study import Study
 
 
-def _keys(annotation: Any, path: Sequence[int | str]) -> list[str]:
-    """Return the valid keys at ``path`` within a value of type ``annotation``."""
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        if not path:
-            return list(annotation.model_fields)
-        field = annotation.model_fields.get(str(path[0]))
-        return _keys(field.annotation, path[1:]) if field else []
-    origin, inner = get_origin(annotation), get_args(annotation)
-    if origin is Annotated:
-        return _keys(inner[0], path)
-    if origin in (Union, UnionType):
-        tagged = {_tag(each): each for each in inner}
-        if path and path[0] in tagged:  # pydantic puts the kind of the figure into the path
-            return _keys(tagged[path[0]], path[1:])
-        return next(filter(None, (_keys(each, path) for each in inner)), [])
-    return _keys(inner[-1], path[1:]) if origin in (dict, list) and path else []
-
-
-def _tag(model: Any) -> str | None:
-    """Return the ``kind`` of the figures that a model describes, None for other models."""
-    field = getattr(model, "model_fields", {}).get("kind")
-    return get_args(field.annotation)[0] if field else None
+def _every_key(model: type[BaseModel] = Strict) -> set[str]:
+    """Return the keys of all sections."""
+    return {*model.model_fields}.union(*map(_every_key, model.__subclasses__()))
 
 
 def _line(error: Mapping[str, Any]) -> str:
@@ -47,10 +28,9 @@ def _line(error: Mapping[str, Any]) -> str:
     place = [str(each) for each in error["loc"] if str(each) not in names and "[" not in str(each)]
     path = ".".join(place) or "(top level)"
     if error["type"] == "extra_forbidden":
-        known = _keys(Study, error["loc"][:-1])
-        near = difflib.get_close_matches(str(error["loc"][-1]), known, n=1)
-        hint = f"; did you mean {near[0]!r}?" if near else ""
-        return f"{path}: unknown key{hint}" + (f" Valid: {', '.join(known)}" if known else "")
+        near = difflib.get_close_matches(str(error["loc"][-1]), _every_key(), n=1)
+        hint = f"did you mean {near[0]!r}?" if near else "see docs/reference/configuration.md"
+        return f"{path}: unknown key; {hint}"
     if error["type"] == "missing":
         return f"{path}: missing"
     value = error["input"]

@@ -10,10 +10,9 @@ from model.sweeps.settings import RunSettings
 from study.config.accuracy import Accuracy
 from study.config.base import ParameterValues, ResultsFolder
 from study.config.evidence import Evidence
-from study.config.figures import FigureSpec, Maps, Plane
+from study.config.figures import FigureSpec, Jamming, Maps, Plane
 from study.config.identification import Identification
 from study.config.methods import Precision
-from study.config.runs import Jamming
 
 
 class Study(Strict):

@@ -3,16 +3,16 @@
 Variables are compared by name, over the points that both datasets have.
 """
 
-from collections.abc import Iterator, Mapping
+import os
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from study.csv_tables import read_rows
 from study.tracking import TrackingError
-from study.tracking.records import Record, changed_inputs, records
+from study.tracking.records import Record, changed_inputs, files_of, records
 
 if TYPE_CHECKING:  # the command line works without xarray until data are compared
     import xarray as xr
@@ -112,14 +112,15 @@ def change_of(before: "xr.DataArray", after: "xr.DataArray", figure: str) -> Cha
 
 
 def changed_verdicts(before: Path, after: Path) -> list[Difference]:
-    """Return the claims whose verdicts differ between two tables; the first column names them."""
-    return _differences(CLAIMS, _verdicts(before), _verdicts(after))
+    """Return the claims whose verdicts differ between two tables.
 
+    Raises:
+        TableError: a file that is no table of claims.
+    """
+    from study.claims.ledger import read_ledger  # noqa: PLC0415  (scipy)
 
-def _verdicts(path: Path) -> dict[str, str]:
-    """Return the verdicts of a table by its first column; a TableError names a file without."""
-    named = read_rows(path, "verdicts", lambda row: (next(iter(row.values())), row["verdict"]))
-    return dict(named)
+    first, second = ({e.claim: e.verdict for e in read_ledger(path)} for path in (before, after))
+    return _differences(CLAIMS, first, second)
 
 
 def _differences(
@@ -167,26 +168,24 @@ def compare(first: Path, second: Path) -> Comparison:
     """
     found = Comparison(str(first), str(second))
     runs, other_runs = _runs(first), _runs(second)
+    found.code += _differences("code", _code(runs), _code(other_runs))
+    for name in sorted({*runs} & {*other_runs}):
+        before, after = runs[name], other_runs[name]
+        found.stated += _differences(after["figure"] or name, _stated(before), _stated(after))
     files, other_files = _files(first, runs), _files(second, other_runs)
-    if runs and other_runs:
-        found.code += _differences("code", _code(runs), _code(other_runs))
-        for name in _common(runs, other_runs, found):
-            before, after = runs[name], other_runs[name]
-            found.stated += _differences(after["figure"] or name, _stated(before), _stated(after))
-            found.other_data += [
-                f"{name}: {table}"
-                for table, sha256 in after["outputs"].items()
-                if table.endswith(".csv") and table != CLAIMS and not table.startswith("../")
-                and before["outputs"].get(table, sha256) != sha256
-            ]  # fmt: skip
-    for name in _common(files, other_files, found):
-        if name != CLAIMS:
-            _compare_data(name, files[name], other_files[name], found)
-    if CLAIMS in files and CLAIMS in other_files:
-        newer = [*_newer(runs), *_newer(other_runs)]
-        found.not_compared += [f"{CLAIMS}: not judged since {each} changed" for each in newer]
-        if not newer:
-            found.claims = changed_verdicts(files[CLAIMS], other_files[CLAIMS])
+    for name in sorted({*files} ^ {*other_files}):
+        found.not_compared.append(f"{name}: only in {first if name in files else second}")
+    for name in sorted({*files} & {*other_files}):
+        file, other = files[name], other_files[name]
+        if name == CLAIMS:
+            newer = [*_newer(runs), *_newer(other_runs)]
+            found.not_compared += [f"{CLAIMS}: not judged since {each} changed" for each in newer]
+            found.claims = None if newer else changed_verdicts(file, other)
+        elif file.read_bytes() != other.read_bytes():
+            if file.suffix == ".nc":
+                _compare_data(name, file, other, found)
+            else:
+                found.other_data.append(name)
     return found
 
 
@@ -194,30 +193,23 @@ def _runs(folder: Path) -> dict[str, Record]:
     """Return the runs of whole results by name."""
     if not folder.is_dir():
         raise TrackingError(f"{folder}: is no results folder")
-    return {each["run"]: each for each in records(folder) if not each.get("part")}
-
-
-def _files(folder: Path, runs: Mapping[str, Record]) -> dict[str, Path]:
-    """Return datasets and verdicts by path: "fig06.nc", "claims.csv"."""
-    data = folder / "data" if (folder / "data").is_dir() else folder
-    found = {path.name: path for path in data.glob("*.nc")}
-    if (folder / CLAIMS).is_file():
-        found[CLAIMS] = folder / CLAIMS
-    if not found and not runs:
-        raise TrackingError(f"{folder}: holds neither datasets nor records of the study")
+    found = {each["run"]: each for each in records(folder) if not each.get("part")}
+    if not found:
+        raise TrackingError(f"{folder}: holds no records of the study")
     return found
 
 
-def _common(
-    first: Mapping[str, Any], second: Mapping[str, Any], found: Comparison
-) -> Iterator[str]:
-    """Yield the names that both have, and note those that only one has."""
-    for name in sorted({*first} | {*second}):
-        if name in first and name in second:
-            yield name
-        else:
-            only = found.first if name in first else found.second
-            found.not_compared.append(f"{name}: only in {only}")
+def _files(folder: Path, runs: Mapping[str, Record]) -> dict[str, Path]:
+    """Return datasets and tables that runs made by their paths; CPU times are left out."""
+    made = [path for run in runs.values() for path in files_of(run, "outputs")]
+    named = {Path(os.path.relpath(path, folder)).as_posix(): path for path in made}
+    return {
+        name: path
+        for name, path in named.items()
+        if path.suffix in (".nc", ".csv")
+        and path.exists()
+        and not name.startswith(("../", "benchmarks/"))
+    }
 
 
 def _stated(run: Record) -> dict[str, Any]:
@@ -242,8 +234,6 @@ def _newer(runs: Mapping[str, Record]) -> list[Path]:
 
 def _compare_data(name: str, first: Path, second: Path, found: Comparison) -> None:
     """Compare two datasets of the same name."""
-    if first.read_bytes() == second.read_bytes():
-        return
     import xarray as xr  # noqa: PLC0415  (a second)
 
     from model.sweeps.io import read_dataset  # noqa: PLC0415

@@ -5,6 +5,8 @@ the reference flags as sensitive or chaotic. An intended difference is accepted:
 states its reason and its size.
 """
 
+import csv
+import io
 import shutil
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -20,7 +22,6 @@ from model.engine.tolerances import Compared
 from model.events.outcomes import Reason
 from model.sweeps.files import atomic_write, write_text
 from model.sweeps.io import read_dataset
-from study.csv_tables import csv_text
 from study.tracking import TrackingError
 from study.tracking.checkout import git_state
 from study.tracking.compare import (
@@ -191,15 +192,15 @@ def accept(root: Path, reference: Path, what: Mapping[str, bool], reason: str) -
     rows, words = [], []
     for name, files in sources.items():
         changed = _changed(files, reference)
-        rows.append(dict(zip(LOG_COLUMNS, (now, name, reason, commit, changed), strict=True)))
+        rows.append((now, name, reason, commit, changed))
         words.append(f"{name}: {changed or 'nothing'} changed")
         for file in files:
             with atomic_write(reference / file.name) as part:
                 shutil.copyfile(file, part)
-    header, *lines = csv_text(LOG_COLUMNS, rows).splitlines(keepends=True)
-    log = reference / LOG
-    before = log.read_text(encoding="utf-8") if log.is_file() else header
-    write_text(before + "".join(lines), log)
+    log, added = reference / LOG, io.StringIO()
+    before = log.read_text(encoding="utf-8") if log.is_file() else ""
+    csv.writer(added, lineterminator="\n").writerows(rows if before else [LOG_COLUMNS, *rows])
+    write_text(before + added.getvalue(), log)
     return words
 
 

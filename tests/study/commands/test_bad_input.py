@@ -15,7 +15,6 @@ __all__ = ["root"]
 # The command line, and what the one line that refuses it must hold. ROOT is an empty folder.
 LINES = [
     (["claims", "--root", "ROOT"], ["ROOT", "holds no claims"]),
-    (["claims", "--root", "ROOT", "--regime"], ["ROOT", "holds no datasets"]),
     (["runs", "--root", "ROOT/nowhere"], ["nowhere"]),
     (["runs", "--root", "ROOT", "--figure", "6"], ["ROOT", "build the study first"]),
     (["runs", "--root", "ROOT", "--figure", "fig77"], ["unknown figure 'fig77'"]),
@@ -23,7 +22,8 @@ LINES = [
     (["runs", "--root", "ROOT", "--outcome", "don"], ["Did you mean 'done'?"]),
     (["runs", "--root", "ROOT", "--starts"], ["ROOT", "build the study first"]),
     (["show", "--root", "ROOT/nowhere", "last"], ["nowhere"]),
-    (["diff", "ROOT", "other"], ["other: is no results folder"]),
+    (["diff", "other", "ROOT"], ["other: is no results folder"]),
+    (["diff", "ROOT", "ROOT"], ["ROOT: holds no records"]),
     (["diff", "ROOT"], ["B"]),
     (["verify", "--root", "ROOT/nowhere"], ["nowhere", "make smoke"]),
     (["verify", "--root", "ROOT", "--figure", "0"], ["fig00"]),

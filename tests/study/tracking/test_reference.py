@@ -17,6 +17,7 @@ from study.tracking import TrackingError
 from study.tracking.reference import LOG, LOG_COLUMNS, accept, compare_with_reference, verify
 
 ERROR = 1e-8
+CLAIM = "claim,verdict,place,says,seen,fails,random\nL01,{},sect. 3,aligns,1,,0.1\n"
 
 
 def curves() -> xr.Dataset:
@@ -150,7 +151,7 @@ def root(tmp_path: Path) -> Path:
     (tmp_path / "results/figures").mkdir()
     for name in ("fig01", "fig06"):
         (tmp_path / f"results/figures/{name}.png").write_bytes(b"picture")
-    (tmp_path / "results/claims.csv").write_text("id,verdict\nF5a,reproduced\n")
+    (tmp_path / "results/claims.csv").write_text(CLAIM.format("shown"))
     return tmp_path / "results"
 
 
@@ -180,12 +181,12 @@ def test_accepting_makes_a_red_build_green_and_logs_the_numbers(root: Path, tmp_
 def test_claims_are_part_of_the_reference(root: Path, tmp_path: Path) -> None:
     reference = tmp_path / "reference"
     accept(root, reference, {"claims": False, "fig06": True}, "the first reference")
-    (root / "claims.csv").write_text("id,verdict\nF5a,contradicted\n")
+    (root / "claims.csv").write_text(CLAIM.format("not shown"))
     (finding,) = verify(root, reference, ["fig06"])
-    assert (finding.variable, finding.words) == ("F5a", "reproduced became contradicted")
+    assert (finding.variable, finding.words) == ("L01", "shown became not shown")
     accept(root, reference, {"claims": False}, "read again in the paper")
     assert verify(root, reference, ["fig06"]) == []
-    assert log(reference)[-1]["changed"] == "F5a"
+    assert log(reference)[-1]["changed"] == "L01"
     (root / "claims.csv").unlink()
     assert "is missing" in verify(root, reference, ["fig06"])[0].words
 
