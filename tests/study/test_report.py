@@ -225,13 +225,10 @@ def test_parts_that_go_in_above_the_wedging_limit_are_counted():
 
 def test_provenance_is_printed_and_escaped(study, root, monkeypatch):
     monkeypatch.setattr(background, "versions", lambda: {"numpy": "2.1.0", "<llvmlite>": "0.44"})
-    results = Results(root, study)
-    page = render_report(results)
+    page = render_report(Results(root, study))
     text = page[page.index('id="provenance"') :]
     assert "<td>numpy</td><td><code>2.1.0</code></td>" in text
     assert "<td>&lt;llvmlite&gt;</td><td><code>0.44</code></td>" in text
-    for place in results.data:
-        assert place in text
 
 
 def test_figures_open_live_where_the_explorer_is_built(rendered, study, root, datasets):

@@ -10,9 +10,11 @@ from study.config.base import ParameterValues, Text
 from study.config.identification import Grid
 
 
-class Change(Strict):
-    """Difference from the study, without words."""
+class Assumption(Strict):
+    """An assumption on which the study's device is judged anew."""
 
+    title: Text
+    """The assumption in words."""
     settings: dict[str, Any] = Field(default_factory=dict)
     """Settings of runs other than the study's."""
     held: ParameterValues = Field(default_factory=dict)
@@ -24,13 +26,6 @@ class Change(Strict):
         stated = {"readings": "consistent", "horizon": 1.0, "tolerance": 1e-6}
         RunSettings.model_validate(stated | changes)
         return changes
-
-
-class Assumption(Change):
-    """An assumption on which the study's device is judged anew."""
-
-    title: Text
-    """The assumption in words."""
 
 
 class Evidence(Strict):

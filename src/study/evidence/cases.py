@@ -1,7 +1,8 @@
 """Verdicts on the study's device off by a little, under other assumptions, and on other devices."""
 
-from collections.abc import Iterator
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Iterator, Mapping
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,8 +12,7 @@ from model.sweeps.settings import RunSettings
 from model.sweeps.sweep import Sweep
 from study.claims.claims import CLAIMS
 from study.claims.ledger import VERDICTS
-from study.config.evidence import Change
-from study.config.identification import Grid
+from study.config.evidence import Evidence
 from study.evidence.null import verdicts_of
 from study.identification.space import Space, own_values, space_of
 
@@ -30,7 +30,13 @@ class Case(NamedTuple):
     kind: str
     title: str
     device: dict[str, float]
-    change: Change
+    settings: Mapping[str, Any] = MappingProxyType({})
+    held: Mapping[str, float] = MappingProxyType({})
+
+    @property
+    def changes(self) -> bool:
+        """True if its runs differ from the study's but for the device."""
+        return bool(self.settings or self.held)
 
 
 class CasesPlan(Plan):
@@ -39,60 +45,38 @@ class CasesPlan(Plan):
     Attributes:
         space: makes sweeps of unknowns.
         own: values of the unknowns of the study's device.
-        grid: on which the figures are computed.
-        near: number of devices of which every unknown is off.
-        step: share of its value by which it is off, up or down.
-        seed: of the signs.
-        assumptions: by title.
-        others: values of the unknowns of further devices, by title.
+        stated: grid, assumptions and other devices.
     """
 
     space: Space
     own: dict[str, float]
-    grid: Grid
-    near: int
-    step: float
-    seed: int
-    assumptions: dict[str, Change]
-    others: dict[str, dict[str, float]]
+    stated: Evidence
 
     @property
     def cases(self) -> Iterator[Case]:
         """The cases, the study's own first."""
-        as_stated, pressed = Change(), Change(settings={"start": "pressed"})
-        yield Case("device", "as the study assumes", self.own, as_stated)
-        random = np.random.default_rng(self.seed)
-        for number in range(self.near):
+        stated = self.stated
+        yield Case("device", "as the study assumes", self.own)
+        random = np.random.default_rng(stated.seed)
+        for number in range(stated.near):
             signs = random.choice([-1.0, 1.0], len(self.own))
             off = {
-                name: value * (1.0 + sign * self.step)
+                name: value * (1.0 + sign * stated.step)
                 for (name, value), sign in zip(self.own.items(), signs.tolist(), strict=True)
             }
             inside = self.space.values(self.space.point(off))
-            yield Case("near", f"off by {self.step:.0%}, {number + 1}", inside, as_stated)
-        for title, change in self.assumptions.items():
-            yield Case("assumption", title, self.own, change)
-        for title, device in self.others.items():
-            yield Case("other", title, device, as_stated)
-            yield Case("other", f"{title}, pressed first", device, pressed)
+            yield Case("near", f"off by {stated.step:.0%}, {number + 1}", inside)
+        for each in stated.assumptions:
+            yield Case("assumption", each.title, self.own, each.settings, each.held)
+        for title, device in stated.others.items():
+            yield Case("other", title, device)
+            yield Case("other", f"{title}, pressed first", device, {"start": "pressed"})
 
 
 def cases_plan(study: "Study") -> CasesPlan:
     """Return the plan of the cases."""
-    spec, space = study.evidence, space_of(study)
-    changes = {
-        each.title: Change(**each.model_dump(exclude={"title"})) for each in spec.assumptions
-    }
-    return CasesPlan(
-        space=space,
-        own=own_values(study, space),
-        grid=spec.grid,
-        near=spec.near,
-        step=spec.step,
-        seed=spec.seed,
-        assumptions=changes,
-        others=spec.others,
-    )
+    space = space_of(study)
+    return CasesPlan(space=space, own=own_values(study, space), stated=study.evidence)
 
 
 def cases_dataset(plan: CasesPlan, random: NDArray[np.int64]) -> "xr.Dataset":
@@ -103,9 +87,9 @@ def cases_dataset(plan: CasesPlan, random: NDArray[np.int64]) -> "xr.Dataset":
     import xarray as xr  # noqa: PLC0415  (slow)
 
     cases = [*plan.cases]
-    plain = [case for case in cases if case.change == Change()]
-    found = iter(verdicts_of(plan.space, [case.device for case in plain], plan.grid))
-    rows = [next(found) if c.change == Change() else _changed(plan, c) for c in cases]
+    plain = [case.device for case in cases if not case.changes]
+    found = iter(verdicts_of(plan.space, plain, plan.stated.grid))
+    rows = [_changed(plan, case) if case.changes else next(found) for case in cases]
     verdict = {
         "long_name": "verdict on the entry",
         "flag_values": np.arange(len(VERDICTS), dtype=np.int8),
@@ -140,8 +124,8 @@ def cases_dataset(plan: CasesPlan, random: NDArray[np.int64]) -> "xr.Dataset":
 
 def _changed(plan: CasesPlan, case: Case) -> np.ndarray:
     def changed(sweep: Sweep) -> Sweep:
-        settings = RunSettings.model_validate(sweep.settings.model_dump() | case.change.settings)
-        parameters = sweep.parameters | case.change.held
+        settings = RunSettings.model_validate({**sweep.settings.model_dump(), **case.settings})
+        parameters = {**sweep.parameters, **case.held}
         return sweep.model_copy(update={"settings": settings, "parameters": parameters})
 
-    return np.asarray(verdicts_of(plan.space, [case.device], plan.grid, changed)[0])
+    return np.asarray(verdicts_of(plan.space, [case.device], plan.stated.grid, changed)[0])

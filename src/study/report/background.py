@@ -11,7 +11,6 @@ from model.physics.variants import VARIANT_NAMES
 from model.runs.settings import Settings
 from study.report.section import Results, Section, Table, link, symbol, value_of, values_of
 from study.tracking.checkout import versions
-from study.tracking.records import file_hash
 from vibralign.plots.words import figure_title, number
 
 # Number and subject of every disputed equation; model.physics.variants explains its variants.
@@ -29,10 +28,7 @@ _CODE = Markup("<code>{}</code>")
 
 
 def section(results: Results) -> Section:
-    """Return the section on the device, the equations in use, and what the page was made from.
-
-    It comes last, since it lists the files that all sections read.
-    """
+    """Return the section on the device, the equations in use, and what the page was made with."""
     device, points = _device(results)
     settings = results.study.settings.settings
     variants = (
@@ -42,19 +38,16 @@ def section(results: Results) -> Section:
         f"{number(settings.tolerance)} by the method {METHOD}."
     )
     made = (
-        "When, where and at which commit each file was made: python -m study runs, "
-        "from history/ beside this page."
+        "When, where, at which commit and from which data each file was made: "
+        "python -m study show, from the records beside this page."
     )
     packages = [(name, _CODE.format(version)) for name, version in versions().items()]
-    # The hashes do not depend on date, machine or checkout.
-    files = [(place, _CODE.format(file_hash(path)[:16])) for place, path in results.data.items()]
     # Anchor, heading, words and table.
     parts = [
         ("parameters", "The device of all figures", "", device),
         ("points", "Parameters of each figure; varied ones in bold type", "", points),
         ("equations", "How the equations are read", variants, _equations(settings)),
         ("provenance", "Made with", made, Table(("package", "version"), packages)),
-        ("files", "Made from", "", Table(("file", "SHA-256, first 16 digits"), files)),
     ]
     lead = (
         "The paper states only δ, x(0), φ(0), K_a and H_a; the rest was identified from what it "

@@ -13,7 +13,7 @@ from vibralign.plots.words import number, percent, power, short
 
 Make = Callable[[Results], Section]
 
-# In the order of the page; the background comes after all others.
+# In the order of the page.
 FINDINGS: tuple[Make, ...] = (
     answer.section,
     figures.section,

@@ -62,13 +62,16 @@ class Results:
 
     def __init__(self, root: Path, study: Study, *, live: bool = False) -> None:
         self.root, self.study, self.live = root, study, live
-        self.data: dict[str, Path] = {}  # data files read so far, by their paths below the root
         self.inputs: list[Path] = []  # every file read so far
         self._datasets: dict[str, xr.Dataset] = {}
 
     def file(self, place: str) -> Path:
-        """Return the path of a data file, named by its path below the root."""
-        path = self.data[place] = self._recorded(place)
+        """Return the path of a file, named by its path below the root."""
+        path = self.root / place
+        if not path.is_file():
+            raise ValueError(f"the report needs {path}: build it")
+        if path not in self.inputs:
+            self.inputs.append(path)
         return path
 
     def dataset(self, place: str) -> xr.Dataset:
@@ -79,20 +82,12 @@ class Results:
 
     def picture(self, place: str, caption: str, alternative: str | None = None) -> Picture:
         """Read a PNG picture, named by its path below the root without extension."""
-        content = self._recorded(f"{place}.png").read_bytes()
+        content = self.file(f"{place}.png").read_bytes()
         # The header of every PNG has its size from byte 16 on.
         size = int.from_bytes(content[16:20], "big"), int.from_bytes(content[20:24], "big")
         data = base64.b64encode(content).decode("ascii")
         address = Markup(f"data:image/png;base64,{data}")  # noqa: S704  (base64 needs no escape)
         return Picture(place, caption, alternative or caption, address, size)
-
-    def _recorded(self, place: str) -> Path:
-        path = self.root / place
-        if not path.is_file():
-            raise ValueError(f"the report needs {path}: build it")
-        if path not in self.inputs:
-            self.inputs.append(path)
-        return path
 
 
 # --- Text ---------------------------------------------------------------------------------------
