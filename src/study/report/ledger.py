@@ -70,17 +70,6 @@ def held_out(results: Results, lines: list[Line]) -> Half | None:
     return None
 
 
-def on_grid(cases: xr.Dataset) -> int:
-    """Return how many entries the study's device shows on the grid of random devices."""
-    own = cases["kind"].values == KINDS.index("device")
-    return int((cases["verdict"].values[own] == SHOWN).sum())
-
-
-def conclusions(lines: list[Line]) -> list[Line]:
-    """Return the entries that carry a part of a numbered conclusion."""
-    return [line for line in lines if _CLAIM[line.claim].is_conclusion]
-
-
 def count(lines: list[Line]) -> int:
     """Return how many entries are shown."""
     return sum(line.verdict == "shown" for line in lines)
