@@ -11,10 +11,11 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from model.sweeps.files import write_json
 from study.__main__ import main
 from study.config import ConfigError, check_study, read_study, study_path
 from study.tracking import TrackingError
-from study.tracking.history import completed, find_run, find_start, load_history, load_runs
+from study.tracking.history import find_run, find_start, load_history, load_runs
 from study.tracking.records import file_hash, named, records
 
 
@@ -192,15 +193,14 @@ def kept(results: Path, tmp_path: Path) -> Path:
     return shutil.copytree(results, tmp_path / "results")
 
 
-def add_start(root: Path, logs: dict[str, str], outcome: str = "running") -> None:
-    """Add a start that left logs; where it is still "running" it was killed."""
+def add_start(root: Path, runs: dict[str, dict[str, str]], outcome: str = "running") -> None:
+    """Add a start with records of runs; where it is still "running" it was killed."""
     number = len(load_history(root)) + 1
-    record = {"start": number, "outcome": outcome, "started": "2026-01-01T00:00:00.000+00:00"}
+    began = {"start": number, "started": "2026-01-01T00:00:00.000+00:00", "git": {}}
     path = root / f"history/{number}.json"
-    path.write_text(json.dumps({**record, "git": {}, "command": []}), encoding="utf-8")
-    for run, text in logs.items():
-        log = root / f"logs/{run}.log"
-        log.write_text(f"start {number} 2026-01-01T00:00:00.000+00:00\n{text}", encoding="utf-8")
+    path.write_text(json.dumps({**began, "outcome": outcome, "command": []}), encoding="utf-8")
+    for run, ended in runs.items():
+        write_json({**named(run), **began, **ended}, root / f"history/{number}/{run}.json")
 
 
 def test_every_run_is_recorded_with_what_it_was_made_from(results: Path) -> None:
@@ -219,30 +219,31 @@ def test_every_run_is_recorded_with_what_it_was_made_from(results: Path) -> None
 
 
 def test_jobs_that_failed_and_jobs_that_were_killed_are_told_apart(kept: Path) -> None:
-    add_start(kept, {"plot/fig06": "Traceback …\nValueError: no such colour\n", "kernels": "",
-                     "chunk/fig13/0": "KeyboardInterrupt\n"})  # fmt: skip
-    for name in ("figures/fig06", "data/kernels", "data/chunks/fig13/0"):
-        (kept / f"{name}.run.json").unlink()
+    failed = {"status": "failed", "reason": "ValueError: no such colour"}
+    add_start(kept, {"plot/fig06": failed, "kernels": {"status": "running"},
+                     "chunk/fig13/0": {"status": "interrupted", "reason": "Ctrl-C"}})  # fmt: skip
     runs = {each["run"]: each for each in load_runs(kept) if each["start"] == 2}
     assert {run: each["status"] for run, each in runs.items()} == {
         "plot/fig06": "failed", "kernels": "interrupted", "chunk/fig13/0": "interrupted",
     }  # fmt: skip
     assert runs["plot/fig06"]["reason"] == "ValueError: no such colour"
+    assert "was killed" in runs["kernels"]["reason"]
     assert all(each["current"] for each in runs.values())
     first = find_run(load_runs(kept), "plot/fig06@1")
     assert (first["status"], first["current"]) == ("done", False)
     assert load_history(kept)[-1]["outcome"] == "interrupted"
 
 
-def test_what_a_cluster_says_counts_where_a_log_says_nothing(kept: Path) -> None:
-    add_start(kept, {"kernels": "", "plot/fig06": "ValueError: no such colour\n"})
-    for name in ("data/kernels", "figures/fig06", "data/fig11"):
-        (kept / f"{name}.run.json").unlink()
-    said = dict.fromkeys(["kernels", "plot/fig06", "sweep/fig11"], "job 5 failed: TIMEOUT: 5.log")
-    found = completed(kept, load_history(kept)[-1], "failed", None, said)
-    assert {each["run"]: each["reason"] for each in found["failures"]} == said | {
-        "plot/fig06": "ValueError: no such colour"
-    }
+def test_what_a_job_raises_is_in_its_record(copy_of_built: Any) -> None:
+    script = copy_of_built.folder / "workflow/scripts/plot.py"
+    text = script.read_text(encoding="utf-8")
+    script.write_text(text.replace("    datasets =", "    1 / 0\n    datasets ="), encoding="utf-8")
+    run = copy_of_built.forked("tiny/figures/fig06.png")
+    words = "ZeroDivisionError: division by zero"
+    assert f"plot/fig06 failed: {words} (tiny/logs/plot/fig06.log)" in run.stderr
+    last = load_history(copy_of_built.folder / "tiny")[-1]
+    assert last["outcome"] == "failed"
+    assert [(each["run"], each["reason"]) for each in last["failures"]] == [("plot/fig06", words)]
 
 
 def test_results_behind_links_are_read(kept: Path, tmp_path: Path) -> None:

@@ -136,7 +136,7 @@ def _show(arguments: argparse.Namespace) -> int:
             raise TrackingError(
                 f"{arguments.what!r} is neither a run nor a start; python -m study runs lists them"
             ) from None
-        done = {run["run"]: f"{run['wall_seconds']} s" for run in record["runs"]}
+        done = {run["run"]: run.get("wall_seconds") for run in record["runs"]}
         shown = {**record, "study": None, "runs": done}
     if arguments.json:
         print_json(record)

@@ -40,7 +40,10 @@ snakemake: Any = getattr(sys.modules["__main__"], "snakemake", None)
 
 @contextlib.contextmanager
 def recorded(snakemake: Any, *, part: bool = False) -> Iterator[Record]:
-    """Send the output of a script to its log, and write the record of its run at the end.
+    """Send the output of a script to its log, and write the record of its run.
+
+    Its record in the history is there from its begin, and tells how it ended; the one beside its
+    outputs is the last that it writes.
 
     Args:
         snakemake: the object that Snakemake gives to a script.
@@ -56,8 +59,6 @@ def recorded(snakemake: Any, *, part: bool = False) -> Iterator[Record]:
     log, script = Path(snakemake.log[0]), Path(sys.modules["__main__"].__file__ or "")
     start = json.loads(os.environ.get(START, '{"start": null}'))
     with log.open("w", encoding="utf-8") as stream:
-        stream.write(f"start {start['start']} {iso(began)}\n")
-        stream.flush()
         os.dup2(stream.fileno(), 1)
         os.dup2(stream.fileno(), 2)
     record = Path(snakemake.output.record)
@@ -66,30 +67,39 @@ def recorded(snakemake: Any, *, part: bool = False) -> Iterator[Record]:
         raise SystemExit(f"{run} refused: only a start of the study runs its jobs: snakemake")
     root = Path(str(log).removesuffix(f"/logs/{run}.log"))
     hold_as_job(root, start["start"])
-    code = code_of(script.parents[2], f"workflow/scripts/{script.name}")
-    if start["codes"].get(script.stem, code_hash(code)) != code_hash(code):
-        raise SystemExit(f"{run} refused: its code was edited after the start; start again")
-    added: Record = {"code": code_hash(code), "sources": dict(each.split() for each in code)}
-    if part:
-        added["part"] = True
-    yield added
-    content = {
-        **named(run),
-        "start": start["start"],
-        "stated": stated_hash(snakemake.params),
-        "inputs": _hashes(snakemake.input, record.parent),
-        "outputs": _hashes(
-            (each for each in snakemake.output if each != str(record)), record.parent
-        ),
-        "started": iso(began),
-        "wall_seconds": round((datetime.now(UTC) - began).total_seconds(), 3),
-        "peak_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024,
-        "host": platform.node(),
-        "processor": platform.machine(),
-        "versions": start["versions"],
-        "git": start["git"],
-    }
-    write_json(added | content, record)
+    kept = root / "history" / str(start["start"]) / f"{run}.json"
+    known = {**named(run), "start": start["start"], "started": iso(began), "git": start["git"]}
+    write_json({**known, "status": "running"}, kept)
+    try:
+        code = code_of(script.parents[2], f"workflow/scripts/{script.name}")
+        if start["codes"].get(script.stem, code_hash(code)) != code_hash(code):
+            words = "its code was edited after the start; start again"
+            raise SystemExit(f"{run} refused: {words}")  # noqa: TRY301 - recorded below
+        added: Record = {"code": code_hash(code), "sources": dict(each.split() for each in code)}
+        if part:
+            added["part"] = True
+        yield added
+        made = (each for each in snakemake.output if each != str(record))
+        content = {
+            **added,
+            **known,
+            "stated": stated_hash(snakemake.params),
+            "inputs": _hashes(snakemake.input, record.parent),
+            "outputs": _hashes(made, record.parent),
+            "wall_seconds": round((datetime.now(UTC) - began).total_seconds(), 3),
+            "peak_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024,
+            "host": platform.node(),
+            "processor": platform.machine(),
+            "versions": start["versions"],
+        }
+        write_json({**content, "status": "done"}, kept)
+        write_json(content, record)
+    except BaseException as error:
+        status = "interrupted" if isinstance(error, KeyboardInterrupt) else "failed"
+        reason = " ".join(f"{type(error).__name__}: {error}".split())
+        with contextlib.suppress(OSError):  # on a full disk
+            write_json({**known, "status": status, "reason": reason}, kept)
+        raise
 
 
 def iso(moment: datetime) -> str:

@@ -26,7 +26,7 @@ from model.sweeps.files import write_json
 from study.tracking import TrackingError
 from study.tracking.checkout import git_state, versions
 from study.tracking.code import code_hash, code_of
-from study.tracking.history import completed, end_of_killed, free_number, start_file
+from study.tracking.history import free_number, load_start, start_file
 from study.tracking.locks import hold_as_job, lock_root, say, tell
 from study.tracking.records import START, Record, iso, look, stated_hash
 
@@ -42,7 +42,6 @@ class Start(logging.Filter):
         self._began = datetime.now(UTC)
         self._record: Record = {}
         self._outcome, self._error, self._looked = "interrupted", "", False
-        self._said: dict[str, str] = {}  # by a cluster, on runs that failed
         logger.addFilter(self)
         atexit.register(self._end)
 
@@ -52,8 +51,6 @@ class Start(logging.Filter):
         if event == LogEvent.ERROR:
             lines = (line.strip() for line in message.splitlines())
             self._outcome, self._error = "failed", "; ".join(filter(None, lines))
-        elif event in (LogEvent.JOB_ERROR, LogEvent.GROUP_ERROR):
-            self._hear(record)
         elif self._workflow.output_settings.dryrun:
             pass
         elif event == LogEvent.WORKFLOW_STARTED:
@@ -62,22 +59,11 @@ class Start(logging.Filter):
             _refusing(self._look)
         return True
 
-    def _hear(self, record: logging.LogRecord) -> None:
-        """Keep what a cluster says of jobs that failed: their own logs may be empty, or missing."""
-        jobs = getattr(record, "job_error_info", None) or [vars(record)]
-        for job in jobs:
-            own, *others = map(str, [*job["log"], *getattr(record, "aux_logs", [])])
-            if others:
-                words = f"{job['rule_msg'] or 'its job on the cluster failed'}: {', '.join(others)}"
-                run = Path(own).absolute().relative_to(self._root / "logs").with_suffix("")
-                self._said.setdefault(run.as_posix(), words)
-
     def _begin(self) -> None:
         """Lock the results root and record the start, before Snakemake looks at its files."""
         lock = lock_root(self._shown)
         for part in self._root.rglob(".*.part"):  # of killed jobs
             part.unlink()
-        end_of_killed(self._root)
         self._write_start()
         tell(lock, self._record["start"])
         scripts = Path(self._workflow.basedir, "workflow/scripts").glob("*.py")
@@ -122,18 +108,23 @@ class Start(logging.Filter):
             if not self._record:  # refused before it executed anything
                 (self._root / "history").mkdir(parents=True, exist_ok=True)
                 self._write_start()
-            logs = self._workflow.logger_manager.get_logfile()
-            self._record["snakemake_log"] = logs[0] if logs else None
-            now = datetime.now(UTC)
-            ended = completed(self._root, self._record, self._outcome, now, self._said)
-            if self._error and not ended["failures"]:
-                ended["reason"] = self._error
-            write_json(ended, start_file(self._root, ended["start"]))
+            logs, now = self._workflow.logger_manager.get_logfile(), datetime.now(UTC)
+            self._record |= {
+                "outcome": self._outcome,
+                "ended": iso(now),
+                "wall_seconds": round((now - self._began).total_seconds(), 3),
+                "snakemake_log": logs[0] if logs else None,
+                "reason": self._error,
+            }
+            number = self._record["start"]
+            write_json(self._record, start_file(self._root, number))
+            failures = load_start(self._root, number)["failures"]
         except (OSError, TrackingError) as error:
             say(f"the end of this start could not be recorded: {error}")
             return
-        for each in ended["failures"]:
-            say(f"{each['run']} {each['status']}: {each['reason']} ({self._shown / each['log']})")
+        for each in failures:
+            log = self._shown / f"logs/{each['run']}.log"
+            say(f"{each['run']} {each['status']}: {each['reason']} ({log})")
 
 
 def _refusing(step: Callable[[], object]) -> None:
