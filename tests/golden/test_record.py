@@ -15,7 +15,7 @@ from model.sweeps.files import write_json
 from study.__main__ import main
 from study.config import ConfigError, check_study, read_study, study_path
 from study.tracking import TrackingError
-from study.tracking.history import find_run, find_start, load_history, load_runs
+from study.tracking.history import find, load_history, load_runs
 from study.tracking.records import file_hash, named, records
 
 
@@ -146,7 +146,7 @@ def test_the_order_of_starts_is_not_that_of_the_clock(copy_of_built: Any) -> Non
         (each["start"], each["outcome"], len(each["runs"]) > 0) for each in load_history(root)
     ]
     assert numbers == [(1, "done", True), (2, "done", False), (3, "failed", False)]
-    assert find_start(load_history(root), "last")["start"] == 3
+    assert find(root, "last")["start"] == 3
     assert "No rule to produce no_such_target" in load_history(root)[-1]["reason"]
     copy_of_built.dry_run("no_such_target")
     assert len(load_history(root)) == 3
@@ -229,7 +229,7 @@ def test_jobs_that_failed_and_jobs_that_were_killed_are_told_apart(kept: Path) -
     assert runs["plot/fig06"]["reason"] == "ValueError: no such colour"
     assert "was killed" in runs["kernels"]["reason"]
     assert all(each["current"] for each in runs.values())
-    first = find_run(load_runs(kept), "plot/fig06@1")
+    first = find(kept, "plot/fig06@1")
     assert (first["status"], first["current"]) == ("done", False)
     assert load_history(kept)[-1]["outcome"] == "interrupted"
 
@@ -237,7 +237,7 @@ def test_jobs_that_failed_and_jobs_that_were_killed_are_told_apart(kept: Path) -
 def test_what_a_job_raises_is_in_its_record(copy_of_built: Any) -> None:
     script = copy_of_built.folder / "workflow/scripts/plot.py"
     text = script.read_text(encoding="utf-8")
-    script.write_text(text.replace("    datasets =", "    1 / 0\n    datasets ="), encoding="utf-8")
+    script.write_text(text.replace("    dataset =", "    1 / 0\n    dataset ="), encoding="utf-8")
     run = copy_of_built.forked("tiny/figures/fig06.png")
     words = "ZeroDivisionError: division by zero"
     assert f"plot/fig06 failed: {words} (tiny/logs/plot/fig06.log)" in run.stderr
@@ -256,10 +256,9 @@ def test_results_behind_links_are_read(kept: Path, tmp_path: Path) -> None:
 def test_names_that_nothing_has_are_refused(results: Path, tmp_path: Path) -> None:
     with pytest.raises(TrackingError, match="holds no history"):
         load_history(tmp_path)
-    with pytest.raises(TrackingError, match="'7' is no start"):
-        find_start(load_history(results), "7")
-    with pytest.raises(TrackingError, match="is no run"):
-        find_run(load_runs(results), "merge/fig99")
+    for name in ("7", "merge/fig99", "merge/fig13@7"):
+        with pytest.raises(TrackingError, match=f"'{name}' is neither a run nor a start"):
+            find(results, name)
 
 
 @pytest.mark.parametrize(

@@ -4,13 +4,10 @@ WITH_VIBRATION = ("fig13", "friction_press_force")  # maps with a picture of wha
 
 # Data, drawing and category of the report, by the picture.
 PLOTTED = {
-    **{name: ([f"data/{name}.nc"], "figure", "Figures of the paper") for name in study.computed},
-    **{name: ([f"data/{name}.nc"], "figure", "Stability maps") for name in PLANES},
-    **{
-        f"{name}_vibration": ([f"data/{name}.nc"], "vibration", "Stability maps")
-        for name in WITH_VIBRATION
-    },
-    "jamming": (["data/jamming.nc"], "jamming", "Claims"),
+    **{name: (name, "figure", "Figures of the paper") for name in study.computed},
+    **{name: (name, "figure", "Stability maps") for name in PLANES},
+    **{f"{name}_vibration": (name, "vibration", "Stability maps") for name in WITH_VIBRATION},
+    "jamming": ("jamming", "jamming", "Claims"),
 }
 
 
@@ -39,7 +36,7 @@ rule schematic:
 
 rule plot:
     input:
-        lambda wildcards: [f"<results>/{data}" for data in PLOTTED[wildcards.picture][0]],
+        lambda wildcards: f"<results>/data/{PLOTTED[wildcards.picture][0]}.nc",
     output:
         multiext("<results>/figures/{picture}", ".svg", ".pdf"),
         png=report(

@@ -1,4 +1,4 @@
-"""Plot a dataset, or several in one picture."""
+"""Plot a dataset."""
 
 from pathlib import Path
 
@@ -8,6 +8,6 @@ from study.tracking.records import recorded, snakemake
 from vibralign.plots.style import save
 
 with recorded(snakemake):
-    datasets = [read_dataset(Path(file)) for file in snakemake.input]
-    figure = DRAWINGS[snakemake.params.drawing](*datasets)
+    dataset = read_dataset(Path(snakemake.input[0]))
+    figure = DRAWINGS[snakemake.params.drawing](dataset)
     save(figure, Path(snakemake.output.png).with_suffix(""))

@@ -10,9 +10,8 @@ import yaml
 from model.physics.parameters import check_name
 from study.commands.options import add_root, figure_name
 from study.config import load_study, study_path
-from study.tracking import TrackingError
 from study.tracking.compare import Comparison, compare
-from study.tracking.history import STATUS, find_run, find_start, load_history, load_runs
+from study.tracking.history import STATUS, find, load_history, load_runs
 from study.tracking.records import Record
 from vibralign.commands.program import add_command, add_json
 from vibralign.commands.tables import print_json, table
@@ -126,16 +125,8 @@ def _shortened(reason: str) -> str:
 
 
 def _show(arguments: argparse.Namespace) -> int:
-    runs = load_runs(arguments.root)
-    if arguments.what.partition("@")[0] in {run["run"] for run in runs}:
-        record = shown = find_run(runs, arguments.what)
-    else:
-        try:
-            record = find_start(load_history(arguments.root), arguments.what)
-        except TrackingError:
-            raise TrackingError(
-                f"{arguments.what!r} is neither a run nor a start; python -m study runs lists them"
-            ) from None
+    record = shown = find(arguments.root, arguments.what)
+    if "runs" in record:  # of a start
         done = {run["run"]: run.get("wall_seconds") for run in record["runs"]}
         shown = {**record, "study": None, "runs": done}
     if arguments.json:

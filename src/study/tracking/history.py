@@ -8,7 +8,6 @@ Starts are numbered in their order, whatever the clock says. Under the lock of t
 Snakemake's main process writes the record of a start, and each job that of its run.
 """
 
-from collections.abc import Sequence
 from operator import itemgetter
 from pathlib import Path
 
@@ -81,14 +80,6 @@ def load_history(root: Path) -> list[Record]:
     return [load_start(root, number) for number in numbers]
 
 
-def find_start(history: Sequence[Record], name: str) -> Record:
-    """Return the start of a number; "last" is the latest."""
-    for record in reversed(history):
-        if name in ("last", str(record["start"])):
-            return record
-    raise TrackingError(f"{name!r} is no start; python -m study runs --starts lists them")
-
-
 def load_runs(root: Path) -> list[Record]:
     """Return all runs recorded below a results root, in the order of their starts.
 
@@ -100,10 +91,21 @@ def load_runs(root: Path) -> list[Record]:
     return [{**each, "current": last[each["run"]] == each["start"]} for each in runs]
 
 
-def find_run(runs: Sequence[Record], name: str) -> Record:
-    """Return the latest run called ``name``; "NAME@START" is that of a start."""
+def find(root: Path, name: str) -> Record:
+    """Return a start or a run by its name.
+
+    A start is called by its number, or "last"; the latest run of a name by this, and that of start
+    12 by NAME@12.
+
+    Raises:
+        TrackingError: there is none; or as ``load_history``.
+    """
     run, _, start = name.partition("@")
-    found = [each for each in runs if each["run"] == run and start in ("", str(each["start"]))]
+    found = [each for each in load_history(root) if name in ("last", str(each["start"]))] or [
+        each for each in load_runs(root) if each["run"] == run and start in ("", str(each["start"]))
+    ]
     if not found:
-        raise TrackingError(f"{name!r} is no run; python -m study runs lists them")
+        raise TrackingError(
+            f"{name!r} is neither a run nor a start; python -m study runs lists them"
+        )
     return found[-1]
