@@ -296,15 +296,11 @@ class _Stages:
         return choice.best(self.random)
 
     def _best(self, found: Sequence[Found]) -> list[Found]:
-        return _best(found, self.where)
-
-
-def _best(found: Sequence[Found], where: slice) -> list[Found]:
-    """Return the best sets, the first first; of one structure only the best."""
-    kept: dict[bytes, Found] = {}
-    for each in sorted(found, key=lambda each: -each.score):
-        kept.setdefault(each.point[where].tobytes(), each)
-    return [*kept.values()][:_BEST]
+        """Return the best sets, the first first; of one structure only the best."""
+        kept: dict[bytes, Found] = {}
+        for each in sorted(found, key=lambda each: -each.score):
+            kept.setdefault(each.point[self.where].tobytes(), each)
+        return [*kept.values()][:_BEST]
 
 
 def _drawn(parents: Array, count: int, random: Generator) -> Array:
