@@ -52,7 +52,7 @@ FROZEN = {
     """,
     "vibralign.DoubtWarning": "",
     "vibralign.reliable_at": "device settings cores quantities",
-    "vibralign.yield_of": "stated starts settings cores devices seed indices required tell",
+    "vibralign.yield_of": "stated starts settings cores devices seed indices required",
     "vibralign.Yield": """
         devices going_in low high time force runs sobol_indices inside forces insertion
         confidence largest impossible on_chamfers

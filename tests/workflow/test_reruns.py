@@ -26,6 +26,7 @@ WEIGHED = {"cases", *LAST}
 COMPUTED = {
     "sweep", "chunk", "merge", *METHODS, *DRAWN, *WEIGHED, "explorer",
 }  # fmt: skip
+STORED = COMPUTED - COMPARED - {"explorer"}  # what reads or writes datasets
 KERNELS = {"kernels", "page_engines"}
 EVERYTHING = {*KERNELS, "schematic", *COMPUTED}
 PICTURES = {"schematic", "plot", *LAST}
@@ -42,14 +43,14 @@ EDITS = [
     ("requirements.lock", "numpy==", "numpy==9.", EVERYTHING),
 ]  # fmt: skip
 MORE_EDITS = [
-    ("src/model/sweeps/io.py", '"complevel": 4', '"complevel": 5', COMPUTED - COMPARED),
+    ("src/model/sweeps/io.py", '"complevel": 4', '"complevel": 5', STORED),
     ("workflow/scripts/merge.py", *EDIT, {"merge", *DRAWN}),
     ("src/study/config/methods.py", "gt=0.0", "gt=1e-9",
      {*METHODS, "explorer", *WEIGHED}),
     ("src/study/config/accuracy.py", *EDIT, {"explorer", *WEIGHED}),
     ("src/model/sweeps/settings.py", *EDIT, COMPUTED),
     ("src/model/sweeps/files.py", "0o666", "0o660", EVERYTHING),
-    ("src/model/sweeps/sweep.py", *EDIT, COMPUTED - COMPARED),
+    ("src/model/sweeps/sweep.py", *EDIT, STORED),
     ("src/vibralign/plots/style.py", '"font.size": 9.0', '"font.size": 9.5', PICTURES),
     ("src/study/schematics/sheet.py", *EDIT, {"schematic", *LAST}),
     ("src/study/report/page.html.j2", "how safely", "how surely", LAST),
@@ -153,7 +154,7 @@ STATED = [
     ({"figures": {"fig11": {"title": "Another title"}}}, {"explorer", *LAST}),
     ({"figures": {"fig11": {"caption": "Another caption."}}}, {"explorer", *LAST}),
     ({"figures": {"fig13": {"caption": "Another caption."}}}, {"explorer", *LAST}),
-    ({"figures": {"fig13": {"chunks": 2}}}, {"chunk", "merge", *DRAWN}),
+    ({"figures": {"fig13": {"chunks": 2}}}, {"chunk", "merge", "explorer", *DRAWN}),
     ({"settings": {"tolerance": 1e-9}}, COMPUTED),
 ]  # fmt: skip
 OF_ALL = {"explorer", "claims", *WEIGHED}

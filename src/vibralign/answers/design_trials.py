@@ -123,12 +123,6 @@ class Trials:
         columns = share, margin, *measures.values(), needs, *drive.values()
         return [tuple(float(each) for each in row) for row in zip(*columns, strict=True)]
 
-    def most_runs(self, settings: int) -> int:
-        """Return how many runs so many settings take at most, with a check."""
-        quarter = -(-len(self.starts) // QUARTERS)
-        quick = settings * (1 + POINTS + 2 * LINES) * quarter
-        return quick + self.devices * len(self.starts)
-
     def _of_vibrator(self, points: Floats) -> dict[str, Floats]:
         """Return the most that settings need of the vibrator, at the ends of the tolerances too.
 

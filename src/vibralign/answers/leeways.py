@@ -76,9 +76,6 @@ class Leeway:
     ragged_below: bool = False
     ragged_above: bool = False
 
-    def __str__(self) -> str:
-        return f"{self.parameter} from {self.low:.4g} to {self.high:.4g}"
-
 
 @dataclass(frozen=True)
 class Nearest:
@@ -94,10 +91,6 @@ class Nearest:
     value: float
     below: float | None
     above: float | None
-
-    def __str__(self) -> str:
-        ends = [f"{end:.4g}" for end in (self.below, self.above) if end is not None]
-        return f"{self.parameter} {' or '.join(ends)}"
 
 
 class _End(NamedTuple):

@@ -8,7 +8,7 @@ failure and of time is due to which tolerance; their interval is that of a boots
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -200,7 +200,6 @@ def yield_of(
     seed: int = 0,
     indices: bool = True,
     required: float | None = None,
-    tell: Callable[[int, int], None] = lambda _done, _most: None,
 ) -> tuple[Yield, DeviceResults]:
     """Return the yield of a device with tolerances, and the results of the drawn devices.
 
@@ -214,7 +213,6 @@ def yield_of(
         seed: of the devices.
         indices: False to compute no Sobol' indices.
         required: yield that is asked for, None if none is.
-        tell: called after each part with the number of runs done, and the most that are needed.
 
     Raises:
         TypeError: a dimensionless device.
@@ -237,7 +235,6 @@ def yield_of(
         few = {name: column[done:last] for name, column in values.items()}
         parts.append(run_devices(stated, few, starts, settings, cores))
         known, done = _is_known(joined(parts), required), last
-        tell(done * len(starts), (done if known else devices) * len(starts) + of_indices)
     results = joined(parts)
     inside, runs = int(results.inside.sum()), done * len(starts)
     results, counted = results[~results.inside], done - inside

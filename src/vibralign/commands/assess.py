@@ -97,7 +97,6 @@ def _assess(arguments: argparse.Namespace) -> int:
     from vibralign.answers.assess import assess  # noqa: PLC0415  (only this command)
     from vibralign.answers.cases import cases_of  # noqa: PLC0415
     from vibralign.answers.limits import limit_results  # noqa: PLC0415
-    from vibralign.answers.sheet import verdict_words  # noqa: PLC0415
 
     ensemble, cores, stated = Ensemble(), os.cpu_count() or 1, own
     result, drawn, nearest = None, None, None
@@ -110,13 +109,9 @@ def _assess(arguments: argparse.Namespace) -> int:
             worst = result and own.lowered(result.worst)
             stated = worst or in_worst_approach(own, settings, ensemble, cores)
             cases = cases_of(stated, ensemble, varied=stated.tolerances)
-            said = "of devices within the tolerances (fewer with a smaller --devices); the verdict "
-            said += f"until then: {verdict_words(result) if result else needless}"
             drawn, nearest = _drawn(
-                result, stated, cases, settings, cores,
-                devices=devices, required=required,
-                tell=lambda runs, most: line.forecast(most - runs, said),
-            )  # fmt: skip
+                result, stated, cases, settings, cores, devices=devices, required=required
+            )
     limits = limit_results(stated, result, drawn, settings)
     kept = all(each.exceeding is None for each in limits)
     met = drawn is None or required is None or (drawn.meets(required) and kept)
@@ -169,8 +164,6 @@ def _assess(arguments: argparse.Namespace) -> int:
         good = result.reliable and kept and (drawn is None or drawn.share == 1.0)
         with line, writing():
             line.begin("map of what goes in")
-            words = "of the map (fewer if approach, base and gripper_tilt are stated)"
-            line.forecast(sheet.runs_of_map(own), words)
             titled = {title: lines for title, lines in groups.items() if lines}
             sheet.write_sheet(arguments.sheet, own, (verdict, good), titled, result, settings)
     return int(not met)

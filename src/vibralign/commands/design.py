@@ -29,10 +29,6 @@ if TYPE_CHECKING:
     from vibralign.device import StatedDevice
 
 _USUAL = {"generations": 10, "population": 16, "seed": 0, "devices": 1024}  # those of design
-_FEWER = (
-    "of the search, if all settings go in (fewer with smaller --population, --generations and "
-    "--devices, or with a stated base)"
-)
 
 
 def add(commands: Any) -> None:
@@ -84,13 +80,7 @@ def _design(arguments: argparse.Namespace) -> int:
     known: Known = {}
     try:
         with ProgressLine() as line:
-
-            def tell(step: str) -> None:
-                line.begin(step)
-                if step.startswith("generation 1 "):
-                    line.forecast(trials.most_runs(population * generations), _FEWER)
-
-            design = search(trials, generations, population, tell, known)
+            design = search(trials, generations, population, line.begin, known)
             line.begin("assessing the recommended setting")
             answer = Answer(design, trials, _assessed(design, trials, stated, settings))
     except KeyboardInterrupt:

@@ -16,7 +16,6 @@ from model.sweeps.sweep import merge, run
 from model.sweeps.version import version
 from vibralign.answers.assess import Assessment
 from vibralign.answers.assumptions import source_words
-from vibralign.answers.cases import cases_of
 from vibralign.answers.leeways import ADDED, moved
 from vibralign.answers.maps import QuantityAxis, in_every_case, map_of
 from vibralign.answers.sheet import deciding
@@ -50,11 +49,6 @@ def write_sheet(
     made_by = f"{source_words(stated)}; vibralign {version()}"
     course = simulate_once(stated.parameters, settings)
     write_text(render(lowered, verdict, groups, course, dataset, made_by), path)
-
-
-def runs_of_map(stated: StatedDevice) -> int:
-    """Return about how many runs a map takes at most: one a node, and all cases at some nodes."""
-    return _COUNT**2 + (_COUNT // 2 + 1) ** 2 * len(cases_of(stated, Ensemble()))
 
 
 def _map(stated: StatedDevice, result: Assessment, settings: Settings) -> xr.Dataset:

@@ -16,7 +16,6 @@ from vibralign.answers.design import DEVICES, GENERATIONS, POPULATION
 from vibralign.answers.reliability import run_devices
 from vibralign.answers.yields import drawn
 from vibralign.commands import main as cli
-from vibralign.commands import progress
 
 PEG = Path(__file__).parents[2] / "square" / "peg.yaml"
 QUICK = ["--generations", "1", "--population", "5", "--devices", "64"]
@@ -177,12 +176,3 @@ def test_an_interrupt_of_the_search_prints_the_best_so_far(capsys, peg, monkeypa
     calls[:] = [None]
     assert cli.main(given) == cli.INTERRUPTED
     assert "no setting was tried yet" in capsys.readouterr().err
-
-
-def test_a_search_says_how_long_it_takes_at_most(capsys, peg, monkeypatch):
-    monkeypatch.setattr(progress.ProgressLine, "_runs_a_second", lambda _: 2.0)
-    path = peg("contact_force: 60 N")
-    assert cli.main(["design", "--device", path, *QUICK, *BASE]) == cli.DONE
-    told = capsys.readouterr().err
-    runs, minutes = re.search(r"up to (\S+) min for ([\d,]+) runs of the search", told).group(2, 1)
-    assert float(minutes) == pytest.approx(int(runs.replace(",", "")) / 120.0, rel=0.05)

@@ -60,16 +60,3 @@ def test_a_short_command_says_its_steps_to_a_terminal_only(capsys, monkeypatch):
     assert shown.out == plain.out
     assert "\rstarts, bases and leeways\033[K" in shown.err
     assert shown.err.endswith("\r\033[K")
-
-
-def test_a_long_step_is_announced_once_by_the_runs_before(capsys, monkeypatch):
-    now = iter((0.0, 0.0, 0.0, *[100.0] * 9))
-    monkeypatch.setattr(progress.time, "perf_counter", lambda: next(now))
-    with ProgressLine() as line:
-        line.begin("leeways")
-        engine.PROGRESS.info("%d of %d runs", 1000, 1000)  # in 100 s: 10 a second
-        line.begin("map")
-        line.forecast(299, "too short to say")
-        line.forecast(1200, "of a map")
-        line.forecast(1200, "said already")
-    assert capsys.readouterr().err == "vibralign: up to 2 min for 1,200 runs of a map\n"
