@@ -56,10 +56,8 @@ def add(commands: Any) -> None:
     )
     add = parser.add_argument
     for side in ("x", "y"):
-        words = (
-            f"quantity of the device along {side}, with its least and largest value, in SI units "
-        )
-        words += "or with a unit (0 1, or 0..1, or 10um 20um)"
+        words = f"quantity of the device along {side}, with its least and largest value, in SI "
+        words += "units or with a unit (0 1, or 0..1, or 10um 20um)"
         add(f"--{side}", nargs="+", required=True, metavar=("NAME", "RANGE"), help=words)
     words = f"values along each side (default: {_DEFAULT})"
     add("--resolution", default=str(_DEFAULT), metavar="N", help=words)

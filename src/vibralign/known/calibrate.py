@@ -118,15 +118,9 @@ class Calibration(Value):
                     )
         return words
 
-    def dataset(self) -> "xr.Dataset":
-        """Return samples and weights as a dataset in SI units."""
-        from vibralign.known.files import dataset_of  # noqa: PLC0415  (xarray, a second)
-
-        return dataset_of(self)
-
     def posterior(self, count: int = 400) -> "xr.Dataset":
         """Return ``count`` equally probable sets with the dimensions chain and draw, for arviz."""
-        import xarray as xr  # noqa: PLC0415  (as in dataset)
+        import xarray as xr  # noqa: PLC0415  (a second)
 
         return xr.Dataset({n: (("chain", "draw"), v[None]) for n, v in self.equally(count).items()})
 

@@ -11,8 +11,7 @@ import pytest
 
 from model.physics.parameters import PARAMETER_NAMES
 from model.physics.variants import VARIANT_NAMES
-from model.sweeps.files import write_json, write_text
-from model.sweeps.io import write_dataset
+from model.sweeps.files import write_text
 from study.config import (
     study_path,
 )
@@ -233,19 +232,3 @@ def test_printing_to_a_full_disk():
     assert "Traceback" not in done.stderr
     assert "space" in done.stderr
     assert done.stderr.count("\n") == 1
-
-
-WRITERS = {
-    "a dataset": lambda path, make: write_dataset(make(), path),
-    "a table": lambda path, _make: write_text("x" * 10_000, path),
-    "a record": lambda path, _make: write_json({"x": "y" * 10_000}, path),
-}
-
-
-@pytest.mark.parametrize("write", WRITERS.values(), ids=list(WRITERS))
-def test_a_result_in_a_folder_that_is_a_file(tmp_path, make_dataset, write):
-    blocked = tmp_path / "results"
-    blocked.write_text("a file\n", encoding="utf-8")
-    with pytest.raises(OSError, match="results"):
-        write(blocked / "result", make_dataset)
-    assert blocked.read_text(encoding="utf-8") == "a file\n"
