@@ -263,7 +263,6 @@ def search(
     generations: int,
     population: int,
     tell: Callable[[str], None] = lambda _: None,
-    known: Known | None = None,
 ) -> Design:
     """Return the best setting of a device.
 
@@ -272,11 +271,10 @@ def search(
         generations: number of generations of differential evolution.
         population: number of settings in a generation.
         tell: called with the step under way and the number of steps, in words.
-        known: filled with the results of quick trials: an interrupt keeps those so far.
     """
     free, limits = trials.stated.free, trials.stated.limits
     low, high = np.array(list(free.values())).T
-    known, done = {} if known is None else known, 0
+    known, done = Known(), 0
 
     def score(points: Floats) -> Floats:
         keys = [rounded(point, free) for point in np.atleast_2d(points.T).tolist()]

@@ -2,7 +2,6 @@
 
 import argparse
 import os
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -32,8 +31,7 @@ def add(commands: Any) -> None:
         ". The device file has their ranges (unknown: {friction: 0.1 to 0.35}). The table of "
         "trials, as a spreadsheet saves it, has a column for each quantity that was set, and "
         "`result`: the alignment time (91.6 ms, or 91.6 ± 5 ms), fails, fails after 2 s, or > 500 "
-        "ms if it was stopped. First, calibrate says whether the model fits the trials at all. An "
-        "interrupt prints the results so far.",
+        "ms if it was stopped. First, calibrate says whether the model fits the trials at all.",
         epilog="exit code: 0 the trials tell something; 1 the model does not fit, or the sample is "
         "too small to conclude; 2 bad input",
     )
@@ -72,11 +70,8 @@ def _calibrate(arguments: argparse.Namespace) -> int:
     print("\n".join(lines), end="\n" if lines else "", flush=True)
     after: Next | None = None
     if found.concludes and not arguments.no_next:
-        try:
-            with ProgressLine() as line:
-                after = found.next(settings, cores, line.begin)
-        except KeyboardInterrupt:
-            print("vibralign: interrupted: no next trial; all else is complete", file=sys.stderr)
+        with ProgressLine() as line:
+            after = found.next(settings, cores, line.begin)
     if arguments.json:
         print_json(_record(found, after))
     elif after is not None:
@@ -128,10 +123,8 @@ def report(found: "Calibration") -> list[str]:
     effective = found.samples.effective
     words = f"effective sample size {effective:.0f} of {len(found.samples.z)} sets"
     if not found.concludes:
-        why = "narrow the ranges, or state larger errors of the times (120 ± 10 ms)"
-        if found.samples.interrupted:
-            why = "it was interrupted before more were run"
-        words += f": too small to conclude; {why}"
+        words += ": too small to conclude; narrow the ranges, or state larger errors of the times "
+        words += "(120 ± 10 ms)"
         lines.append(_line("posterior", words))
         return lines
     lines.append(_line("posterior", f"{words}, {found.seconds:.0f} core-seconds"))

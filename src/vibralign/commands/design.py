@@ -2,7 +2,6 @@
 
 import argparse
 import os
-import sys
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +14,7 @@ from vibralign.commands.arguments import (
     read_device,
     whole_number,
 )
-from vibralign.commands.design_words import Answer, record, report, so_far
+from vibralign.commands.design_words import Answer, record, report
 from vibralign.commands.known import design_in_part
 from vibralign.commands.program import add_command, add_json
 from vibralign.commands.progress import ProgressLine
@@ -44,8 +43,7 @@ def add(commands: Any) -> None:
         "until alignment, the force until inserted. Each setting is tried quickly. Of the settings "
         "with which all devices within the tolerances go in, the best is the one whose nearest "
         "failure is farthest, then the fastest. It is checked as `vibralign assess` checks it; if "
-        "it does not hold, the next best is checked. Interrupting the search prints the best "
-        "setting found so far, unchecked. If the file has ranges of unknown "
+        "it does not hold, the next best is checked. If the file has ranges of unknown "
         "quantities, design prints the setting that is reliable for most of what is possible (of "
         "several the fastest), and what knowing everything would add.",
         epilog="exit code: 0 a setting keeps the limits; 1 none of those tried does; 2 bad input",
@@ -70,22 +68,17 @@ def _design(arguments: argparse.Namespace) -> int:
     stated, settings = read_device(arguments, known_in_part=True)
     if stated.unknown:
         return design_in_part(arguments, stated, settings)
-    from vibralign.answers.design import Known, search, trials_of  # noqa: PLC0415  (only this command)
+    from vibralign.answers.design import search, trials_of  # noqa: PLC0415  (only this command)
 
     trials = trials_of(
         stated, settings, Ensemble(), os.cpu_count() or 1, seed,
         number("devices", arguments.devices),
     )  # fmt: skip
     announce_compilation()
-    known: Known = {}
-    try:
-        with ProgressLine() as line:
-            design = search(trials, generations, population, line.begin, known)
-            line.begin("assessing the recommended setting")
-            answer = Answer(design, trials, _assessed(design, trials, stated, settings))
-    except KeyboardInterrupt:
-        print(f"vibralign: {so_far(trials, known)}", file=sys.stderr)
-        raise
+    with ProgressLine() as line:
+        design = search(trials, generations, population, line.begin)
+        line.begin("assessing the recommended setting")
+        answer = Answer(design, trials, _assessed(design, trials, stated, settings))
     assumed = assumptions_with(
         trials.stated, design.setting, settings, Ensemble(),
         tolerances_assumed=not stated.tolerances,

@@ -14,7 +14,7 @@ from vibralign.device.limits import LIMITS
 
 if TYPE_CHECKING:
     from vibralign.answers.assess import Assessment
-    from vibralign.answers.design import Design, Known, Limiting
+    from vibralign.answers.design import Design, Limiting
     from vibralign.answers.design_trials import Trials
     from vibralign.answers.limits import LimitResult
     from vibralign.device import StatedDevice
@@ -48,23 +48,6 @@ class Answer(NamedTuple):
             LimitResult(name, limit, float(of[name][best]), None)
             for name, limit in self.design.limits.items()
         )
-
-
-def so_far(trials: "Trials", known: "Known") -> str:
-    """Return a line on the best setting of a search that is interrupted."""
-    from vibralign.answers.design import tried_of  # noqa: PLC0415  (scipy)
-
-    if not known:
-        return "no setting was tried yet"
-    stated = trials.stated
-    tried = tried_of([*known], [*known.values()], stated.free)
-    best = int(tried.score(stated.limits).argmin())
-    setting = {name: float(values[best]) for name, values in tried.settings.items()}
-    holds = "keeps" if tried.keeps(stated.limits)[best] else "does not keep"
-    return (
-        f"best of {len(known):,} settings so far, by quick trials: {named_words(setting, stated)}; "
-        f"by them it {holds} what is asked. Check it: {_assess_command(stated, setting)}"
-    )
 
 
 def _assess_command(stated: "StatedDevice", setting: Mapping[str, float]) -> str:

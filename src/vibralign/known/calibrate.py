@@ -181,7 +181,7 @@ def calibrate(
         for key, rows in groups.items()
     }
     times: list[list[Floats]] = [[] for _ in table]
-    began, first = time.process_time(), True
+    began = time.process_time()
 
     def runs(sets: Sets, model: Model | None = None) -> Iterator[tuple[list[int], Floats]]:
         for key, rows in groups.items():
@@ -192,35 +192,21 @@ def calibrate(
             yield rows, np.maximum(found, _AT_ONCE)
 
     def likelihood(sets: Sets) -> Floats:
-        nonlocal first
-        stage: dict[int, Floats] = {}
         logs = np.zeros(len(next(iter(sets.values()))))
-        for number, (rows, found) in enumerate(runs(sets)):
+        for rows, found in runs(sets):
             for row in rows:
                 logs += log_likelihood(table[row], found, horizon)
-                stage[row] = found
-            if first and len(groups) > 1:
-                each = (time.process_time() - began) / (number + 1)
-                tell(
-                    f"setting {number + 1} of {len(groups)}: the first {FIRST} sets take "
-                    f"{each * len(groups):.0f} core-seconds, all sets four to nine times as long"
-                )
-        first = False
-        for row, found in stage.items():  # a stage counts when it is complete
-            times[row].append(found)
+                times[row].append(found)
         return logs
 
     samples = sample(device.unknown, likelihood, tell, target=target, seed=seed)
     whole = tuple(np.concatenate(each) for each in times)
     rivals: dict[str, Floats] = {}
     few = values_of(samples.z[:FIRST], device.unknown)
-    try:
-        for words, model in () if samples.interrupted else rivals_of(device, table).items():
-            tell(f"rival: {words}")
-            logs = [log_likelihood(table[i], x, horizon) for at, x in runs(few, model) for i in at]
-            rivals[words] = np.sum(logs, axis=0)
-    except KeyboardInterrupt:
-        samples = replace(samples, interrupted=True)
+    for words, model in rivals_of(device, table).items():
+        tell(f"rival: {words}")
+        logs = [log_likelihood(table[i], x, horizon) for at, x in runs(few, model) for i in at]
+        rivals[words] = np.sum(logs, axis=0)
     fit = fit_of(table, whole, samples, horizon, rivals)
     seconds = time.process_time() - began
     sets = values_of(samples.z, device.unknown)

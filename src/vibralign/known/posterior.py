@@ -9,7 +9,7 @@ weighs this sampler against nested sampling and Markov chains.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import scipy
@@ -36,13 +36,11 @@ class Samples(Value):
         z: normal variates of the shares of the ranges, shape (n, d).
         log_likelihood: of the sets, shape (n,).
         log_proposal: logarithm of n times the density of all proposals, shape (n,).
-        interrupted: True if there are fewer than were sought, because of an interrupt.
     """
 
     z: Floats
     log_likelihood: Floats
     log_proposal: Floats
-    interrupted: bool = False
 
     @property
     def log_ratio(self) -> Floats:
@@ -102,7 +100,7 @@ def sample(
     most: int = MOST,
     seed: int = 0,
 ) -> Samples:
-    """Return weighted sets of the unknowns; an interrupt ends it with those so far.
+    """Return weighted sets of the unknowns.
 
     Args:
         ranges: the prior.
@@ -131,10 +129,7 @@ def sample(
         new = steps.copy()
         root = np.linalg.cholesky(covariance)
         new[around] = centres[which[around]] + steps[around] @ root.T
-        try:
-            own = log_likelihood(values_of(new, ranges))
-        except KeyboardInterrupt:
-            return replace(found, interrupted=True)
+        own = log_likelihood(values_of(new, ranges))
         mixtures.append((STAGE, centres, covariance))
         z = np.vstack([found.z, new])
         logs = np.append(found.log_likelihood, own)

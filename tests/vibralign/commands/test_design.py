@@ -151,28 +151,3 @@ def test_a_device_that_goes_in_nowhere_is_told_the_cause_and_that_no_range_helps
         "lower end of the range of tilt_stiffness, 0.2",
     ):
         assert f"  the {end} N m/rad\n" in said
-
-
-def test_an_interrupt_of_the_search_prints_the_best_so_far(capsys, peg, monkeypatch):
-    quick, calls = design_trials.Trials.quick, []
-
-    def interrupted(self, points):
-        calls.append(points)
-        if len(calls) == 2:  # after the first settings
-            raise KeyboardInterrupt
-        return quick(self, points)
-
-    monkeypatch.setattr(design_trials.Trials, "quick", interrupted)
-    given = ["design", "--device", peg("contact_force: 60 N"), *QUICK, *BASE]
-    assert cli.main(given) == cli.INTERRUPTED
-    printed, told = capsys.readouterr()
-    assert printed == ""
-    best = re.search(
-        r"best of 5 settings so far, .*: tilt_stiffness = (\S+) N m/rad; by them it", told
-    )
-    command = f"vibralign assess --device {given[2]} --set 'contact_stiffness=300 kN/m' "
-    assert f"Check it: {command}--set 'tilt_stiffness={best[1]} N m/rad'\n" in told
-    assert told.endswith("vibralign: interrupted\n")
-    calls[:] = [None]
-    assert cli.main(given) == cli.INTERRUPTED
-    assert "no setting was tried yet" in capsys.readouterr().err
