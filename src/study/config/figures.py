@@ -93,8 +93,6 @@ KINDS = ("schematic", "history", "curves", "map")
 class Jamming(Strict):
     """Runs with the contacts inside the slot; see model/sweeps/sweep.py."""
 
-    title: Text
-    """Title of the figure."""
     held: ParameterValues = Field(default_factory=dict)
     """Parameters held at other values than the operating point's."""
     clearance: Family

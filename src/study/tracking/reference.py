@@ -39,6 +39,7 @@ LOG = "accepted.csv"
 LOG_COLUMNS = "date", "what", "reason", "commit", "changed"
 
 NEW_SENSITIVE_SHARE = 0.02
+_FLAGS = "sensitive", "reason", "outcome"
 # A course between the ends of steps, linear where the reference's is: relative to its range.
 COURSE_TOLERANCE = 2e-3
 
@@ -68,7 +69,7 @@ def compare_with_reference(reference: "xr.Dataset", built: "xr.Dataset") -> list
     if differing:
         words = f"is not computed with the reference's parameters: {', '.join(differing)}"
         return [Disagreement(figure, "parameters", 0, words)]
-    findings = [*_outcomes(reference, built), *_numbers(reference, built)]
+    findings = [*_points(reference, built)]
     if "time" in reference.coords:
         findings += _courses(reference, built)
     return [Disagreement(figure, *each) for each in findings]
@@ -77,38 +78,29 @@ def compare_with_reference(reference: "xr.Dataset", built: "xr.Dataset") -> list
 _Found = tuple[str, int, str]
 
 
-def _values(dataset: "xr.Dataset", name: str) -> NDArray[Any]:
-    return np.atleast_1d(dataset[name].values).ravel()
+def _points(reference: "xr.Dataset", built: "xr.Dataset") -> Iterator[_Found]:
+    """Yield what differs at points with a certain outcome: neither sensitive nor chaotic."""
 
+    def both(name: str) -> list[NDArray[Any]]:
+        return [np.atleast_1d(each[name].values).ravel() for each in (reference, built)]
 
-def _regular(reference: "xr.Dataset") -> NDArray[np.bool_]:
-    """Return a mask of the points with a certain outcome: neither sensitive nor chaotic."""
-    chance = _values(reference, "reason") == Reason.CHAOTIC
-    return (_values(reference, "sensitive") == 0) & ~chance
-
-
-def _outcomes(reference: "xr.Dataset", built: "xr.Dataset") -> Iterator[_Found]:
-    regular = _regular(reference)
+    (sensitive, now_sensitive), (reason, _), (outcome, _) = map(both, _FLAGS)
+    regular = (sensitive == 0) & (reason != Reason.CHAOTIC)
     for name in ("outcome", "reason"):
-        flipped = regular & (_values(reference, name) != _values(built, name))
+        flipped = regular & np.not_equal(*both(name))
         if flipped.any():
-            where = _place(reference, flipped)
+            where = _place(reference, int(flipped.argmax()))
             yield name, int(flipped.sum()), f"differs at points that are not sensitive, as {where}"
-    fresh = regular & (_values(built, "sensitive") != 0)
-    allowed = max(2, int(NEW_SENSITIVE_SHARE * regular.size))
-    if fresh.sum() > allowed:
-        words = f"is set at {fresh.sum()} more points than in the reference, {allowed} are allowed"
+    fresh = regular & (now_sensitive != 0)
+    most = max(2, int(NEW_SENSITIVE_SHARE * regular.size))
+    if fresh.sum() > most:
+        words = f"is set at {fresh.sum()} more points than in the reference, {most} are allowed"
         yield "sensitive", int(fresh.sum()), words
-
-
-def _numbers(reference: "xr.Dataset", built: "xr.Dataset") -> Iterator[_Found]:
-    outcome = _values(reference, "outcome")
-    error = _values(reference, "tau_error").astype(np.float64)
-    same_end = _regular(reference) & (outcome == _values(built, "outcome"))
+    same_end, error = regular & np.equal(*both("outcome")), both("tau_error")[0].astype(np.float64)
     for name, result in {**RESULTS, **UNVIBRATED_CONTROL}.items():
         if result.tolerance is None or not result.stored:
             continue
-        old, new = (_values(each, name).astype(np.float64) for each in (reference, built))
+        old, new = (each.astype(np.float64) for each in both(name))
         distance, allowed = np.abs(new - old), result.tolerance(Compared(old, error, outcome))
         one_sided = np.isnan(old) != np.isnan(new)
         wrong = same_end & (one_sided | (distance > allowed))
@@ -116,9 +108,8 @@ def _numbers(reference: "xr.Dataset", built: "xr.Dataset") -> Iterator[_Found]:
             excess = np.full(distance.shape, np.inf)
             np.divide(distance, allowed, out=excess, where=~one_sided & (allowed > 0.0))
             worst = int(np.argmax(np.where(wrong, excess, -1.0)))
-            where = _place(reference, np.arange(wrong.size) == worst)
             became = f"{old[worst]:.9g} became {new[worst]:.9g} ({allowed[worst]:.1e} allowed)"
-            yield name, int(wrong.sum()), f"{became} at {where}"
+            yield name, int(wrong.sum()), f"{became} at {_place(reference, worst)}"
 
 
 def _courses(reference: "xr.Dataset", built: "xr.Dataset") -> Iterator[_Found]:
@@ -131,11 +122,10 @@ def _courses(reference: "xr.Dataset", built: "xr.Dataset") -> Iterator[_Found]:
             yield name, change.differing, f"differs by {change.largest:.2e} at τ = {moment:.4g}"
 
 
-def _place(dataset: "xr.Dataset", mask: NDArray[np.bool_]) -> str:
-    """Return the coordinates of the first True point of ``mask``, in words."""
+def _place(dataset: "xr.Dataset", point: int) -> str:
+    """Return the coordinates of a point, given by its flat index, in words."""
     variable = dataset["outcome"]
-    place = np.unravel_index(int(np.argmax(mask)), variable.shape) if variable.shape else ()
-    named = zip(variable.dims, place, strict=True)
+    named = zip(variable.dims, np.unravel_index(point, variable.shape), strict=False)
     return ", ".join(f"{name} = {dataset[name].values[i]:g}" for name, i in named) or "the run"
 
 
