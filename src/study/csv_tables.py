@@ -4,7 +4,7 @@ import csv
 import io
 from collections.abc import Iterable, Mapping
 from dataclasses import MISSING, fields
-from enum import Enum, IntEnum
+from enum import IntEnum
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -30,9 +30,8 @@ def records_text(
 
     def written(record: Any, name: str) -> Any:
         value = getattr(record, name)
-        if isinstance(value, IntEnum):
-            return value.name.lower()
-        return value.value if isinstance(value, Enum) else format(value, formats.get(name, ""))
+        is_named = isinstance(value, IntEnum)
+        return value.name.lower() if is_named else format(value, formats.get(name, ""))
 
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
