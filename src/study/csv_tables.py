@@ -11,10 +11,6 @@ from typing import Any, TypeVar
 Row = TypeVar("Row")
 
 
-class TableError(ValueError):
-    """Error: a table is missing, empty, or does not have the expected columns."""
-
-
 def records_text(
     kind: type[Any], records: Iterable[Any], formats: Mapping[str, str], without: str = ""
 ) -> str:
@@ -43,7 +39,7 @@ def read_records(path: Path, what: str, kind: type[Row]) -> list[Row]:
     """Return the records of a file that ``records_text`` made; missing columns take defaults.
 
     Raises:
-        TableError: the file is missing or no such table.
+        ValueError: the file is missing or no such table.
     """
 
     def value(text: str, of: Any) -> Any:
@@ -63,4 +59,4 @@ def read_records(path: Path, what: str, kind: type[Row]) -> list[Row]:
             raise ValueError("it has no rows")  # noqa: TRY301 - reported with the others below
         return [read(row) for row in rows]
     except (OSError, KeyError, ValueError, TypeError, csv.Error) as error:
-        raise TableError(f"{path}: is not a table of {what} ({error}): build it again") from None
+        raise ValueError(f"{path}: is not a table of {what} ({error}): build it again") from None

@@ -11,7 +11,6 @@ import xarray as xr
 
 from model.sweeps.io import DatasetError, read_dataset, write_dataset
 from study.claims.ledger import read_ledger
-from study.csv_tables import TableError
 from study.tracking import TrackingError
 from study.tracking.history import load_history
 from study.tracking.reference import verify
@@ -58,7 +57,7 @@ REFUSED = {
     "table": Refused(
         "claims.csv",
         lambda path: path.write_bytes((PROJECT / "tests/reference/claims.csv").read_bytes()),
-        read_ledger, TableError, "build it again",
+        read_ledger, ValueError, "build it again",
     ),
     "device": Refused(
         "peg.yaml", lambda path: path.write_bytes(PEG.read_bytes()), load_device, DeviceError, "",

@@ -11,7 +11,6 @@ from study.claims import CLAIMS, checks
 from study.config import Study, check_study, load_study, read_study, study_path
 from study.evidence.cases import KINDS, cases_dataset, cases_plan
 from study.evidence.null import (
-    NullError,
     null_plan,
     null_text,
     stored_null,
@@ -90,7 +89,7 @@ def test_a_key_that_no_longer_fits_is_refused_with_the_command(
         other = plan.model_copy(update={"grid": grid})
     else:
         other = plan.model_copy(update={"count": 4})
-    with pytest.raises(NullError, match=r"null\.csv: .* make null"):
+    with pytest.raises(ValueError, match=r"null\.csv: .* make null"):
         stored_null(other, stored)
 
 
@@ -104,11 +103,11 @@ def test_another_device_or_grid_of_the_study_needs_no_other_draw(study, plan) ->
 
 
 def test_without_a_file_or_with_a_damaged_one_the_command_is_named(plan, stored, tmp_path) -> None:
-    with pytest.raises(NullError, match="make null"):
+    with pytest.raises(ValueError, match="make null"):
         stored_null(plan, tmp_path / "none.csv")
     damaged = tmp_path / "null.csv"
     damaged.write_text(stored.read_text(encoding="utf-8").replace("+", "!"), encoding="utf-8")
-    with pytest.raises(NullError, match="make null"):
+    with pytest.raises(ValueError, match="make null"):
         stored_null(plan, damaged)
 
 

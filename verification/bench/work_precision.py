@@ -217,6 +217,6 @@ def read_settings(path: Path) -> list[Setting]:
     """Return the settings of a table by ``table_of``; missing times are NaN.
 
     Raises:
-        TableError: the file is missing or no such table.
+        ValueError: the file is missing or no such table.
     """
     return read_records(path, "speed against error", Setting)

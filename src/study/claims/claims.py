@@ -18,10 +18,6 @@ Numbers = Iterator[tuple[str, str, float]]
 _LEAST_SCALE = 0.05
 
 
-class ClaimsError(ValueError):
-    """A list of entries that breaks a rule; the message names the entry."""
-
-
 @dataclass(frozen=True)
 class Limit:
     """The demand on the numbers of one part of an entry.
@@ -115,7 +111,7 @@ def claims_of(text: str) -> tuple[Claim, ...]:
     """Return the entries of a list in the form of ``claims.yaml``, in its order.
 
     Raises:
-        ClaimsError: an entry that breaks a rule; the message names both.
+        ValueError: an entry that breaks a rule; the message names both.
     """
     table = parse_yaml(text)
     claims = []
@@ -123,7 +119,7 @@ def claims_of(text: str) -> tuple[Claim, ...]:
         try:
             claims.append(_claim(name, stated, table["limits"]))
         except (AttributeError, KeyError, TypeError, ValueError) as error:
-            raise ClaimsError(f"claims.yaml: {name}: {error}") from error
+            raise ValueError(f"claims.yaml: {name}: {error}") from error
     return tuple(claims)
 
 

@@ -134,6 +134,6 @@ def read_ledger(path: Path) -> list[Line]:
     """Return the rows of a file ``claims.csv``.
 
     Raises:
-        TableError: a file that is missing, empty, or not a ledger.
+        ValueError: a file that is missing, empty, or not a ledger.
     """
     return read_records(path, "claims", Line)

@@ -41,10 +41,6 @@ _PHYSICS = (
 _MEND = "draw the random devices anew: make null"
 
 
-class NullError(ValueError):
-    """The stored verdicts are missing, or of other priors, another list, physics or grid."""
-
-
 class Null(NamedTuple):
     """Verdicts of random devices as places in ``VERDICTS``, shape (devices, entries)."""
 
@@ -153,7 +149,7 @@ def stored_null(plan: NullPlan, file: Path = FILE) -> Null:
     """Return the stored verdicts.
 
     Raises:
-        NullError: there are none, or their key is another; the message names the command.
+        ValueError: there are none, or their key is another; the message names the command.
     """
     try:
         lines = file.read_text(encoding="utf-8").splitlines()
@@ -161,7 +157,9 @@ def stored_null(plan: NullPlan, file: Path = FILE) -> Null:
         key = rows.pop("key")
         found = {name: [_SIGNS.index(sign) for sign in row] for name, row in rows.items()}
     except (OSError, KeyError, ValueError) as error:
-        raise NullError(f"{file}: holds no verdicts of random devices ({error}); {_MEND}") from None
+        raise ValueError(
+            f"{file}: holds no verdicts of random devices ({error}); {_MEND}"
+        ) from None
     if key != plan.key or [*found] != [claim.id for claim in CLAIMS]:
-        raise NullError(f"{file.name}: is of other priors, another list, physics or grid; {_MEND}")
+        raise ValueError(f"{file.name}: is of other priors, another list, physics or grid; {_MEND}")
     return Null(np.array([*found.values()], dtype=np.int8).T)

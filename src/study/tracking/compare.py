@@ -115,7 +115,7 @@ def changed_verdicts(before: Path, after: Path) -> list[Difference]:
     """Return the claims whose verdicts differ between two tables.
 
     Raises:
-        TableError: a file that is no table of claims.
+        ValueError: a file that is no table of claims.
     """
     from study.claims.ledger import read_ledger  # noqa: PLC0415  (scipy)
 
