@@ -27,11 +27,10 @@ pytestmark = [
 # Ask often; and no second attempt, unless a test is about it.
 HASTY = ("--slurm-init-seconds-before-status-checks", "2", "--retries", "0")
 ONE = "tiny/data/fig05.nc"
-STALL = """
-import time
-if Path("stall").exists():  # at the first attempt
-    Path("stall").unlink()
-    time.sleep(600)
+STALL = """ as metadata:
+    if Path("stall").exists():  # at the first attempt
+        Path("stall").unlink()
+        __import__("time").sleep(600)
 """
 PATIENCE = 600.0
 
@@ -140,7 +139,7 @@ def test_a_second_attempt_after_a_time_limit_has_more_time(
     compiled: Any, built: Any, slurm: Slurm
 ) -> None:
     job = compiled.folder / "workflow/scripts/sweep.py"
-    job.write_text(f"{job.read_text(encoding='utf-8')}\n{STALL}", encoding="utf-8")
+    job.write_text(job.read_text("utf-8").replace(" as metadata:\n", STALL), encoding="utf-8")
     rules = compiled.folder / "workflow/rules/figures.smk"
     text, limit = rules.read_text(encoding="utf-8"), "runtime=lambda wildcards, attempt: attempt"
     script = '    script:\n        "../scripts/sweep.py"'
