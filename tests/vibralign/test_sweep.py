@@ -27,10 +27,8 @@ from vibralign.answers.design_trials import Trials
 from vibralign.device.batches import devices_of
 
 SQUARE = Path(__file__).parents[1] / "square"
-PEG, BRASS = (
-    SQUARE / "peg.yaml",
-    SQUARE / "devices" / "peg.yaml",
-)  # the second with base and tolerances
+PEG = SQUARE / "peg.yaml"
+BRASS = SQUARE / "devices" / "peg.yaml"  # with base and tolerances
 QUICK = Settings(tolerance=1e-7)
 STARTS = [{"phase": 0.0, "initial_tilt": 0.001}]
 

@@ -245,23 +245,6 @@ def test_what_a_file_states_in_place_of_a_parameter_is_varied_and_named():
     assert [*first_change(cause, near)] == ["play"]
 
 
-def test_the_nearest_amplitude_is_found_and_holds(monkeypatch):
-    monkeypatch.setattr(module, "VARIED", ())
-    monkeypatch.setattr(module, "UNITS", ("amplitude",))
-    changes = {"amplitude": 0.5e-3, "contact_stiffness": 3e5}
-    stated = load_device(PEG, changes)
-    found = assess(stated, COARSE, ENSEMBLE)
-    [near] = [each for each in found.nearest if each.parameter == "amplitude"]
-    assert near.above is not None
-    for amplitude, goes_in in ((near.above, True), (near.above / NEAR, False)):
-        changed = load_device(PEG, changes | {"amplitude": amplitude})
-        own, cases = (
-            {"friction": np.array([changed.values["friction"]])},
-            cases_of(changed, ENSEMBLE),
-        )
-        assert are_reliable(changed, own, cases, COARSE)[0] == goes_in
-
-
 def test_verdicts_do_not_depend_on_failures_before_and_cases_that_failed_come_first(
     device, monkeypatch
 ):

@@ -331,15 +331,7 @@ def test_full_standard_streams_are_a_failure(full):
 )
 def test_the_backend_of_a_notebook_does_not_matter(tmp_path, backend):
     picture = tmp_path / "run.png"
-    words = [
-        sys.executable,
-        "-m",
-        "vibralign",
-        "simulate",
-        "--horizon",
-        "1",
-        "--plot",
-    ]
+    words = [sys.executable, *["-m", "vibralign", "simulate", "--horizon", "1", "--plot"]]
     own = {**os.environ, "MPLBACKEND": backend}
     run = subprocess.run([*words, picture], env=own, capture_output=True, check=False)
     assert run.returncode == cli.DONE, run.stderr
