@@ -157,7 +157,7 @@ class RoundRun(Run):
         if name == "left enters":
             return self._next(time, z, mode, replace(mode, side="on"))
         # A corner pressed into the flat may pass the edge while the edge is inside the side.
-        passed = name == "corner end" and mode.edge == RIGHT
+        passed = name == "corner end" and mode.edge == RIGHT and mode.face == "off"
         if name == "right enters" or (passed and self.device.beside(RIGHT, body(z)) < -ON_ZERO):
             return "other face"
         return super().after(name, time, z, mode)
