@@ -152,7 +152,7 @@ def test_a_failed_run_has_its_own_exit_code_and_a_sensitive_one_says_so(
     assert "note: sensitive" in said
 
 
-# --- What is refused, beside the lines of tests/bad_input ---------------------------------------
+# --- What is refused, beside the lines of test_bad_input.py -------------------------------------
 
 
 def test_a_picture_in_a_folder_that_cannot_be_written(capsys, tmp_path, monkeypatch):
@@ -313,16 +313,6 @@ def test_standard_streams_may_be_closed(tmp_path, closed):
     assert run.returncode == cli.DONE
     assert "Traceback" not in run.stderr
     assert picture.read_text(encoding="utf-8").startswith("<?xml")  # and nothing else came into it
-
-
-@pytest.mark.parametrize(
-    "full", [">/dev/full 2>&1", pytest.param(">/dev/full", marks=pytest.mark.nightly)]
-)
-def test_full_standard_streams_are_a_failure(full):
-    command = f"{sys.executable} -m vibralign.commands.main simulate --horizon 1 {full}"
-    run = subprocess.run(["sh", "-c", command], capture_output=True, text=True, check=False)
-    assert run.returncode == cli.FAILED
-    assert "Traceback" not in run.stderr
 
 
 @pytest.mark.parametrize(
