@@ -39,6 +39,7 @@ def add_model_options(parser: Any, scene: str = "alignment", *, needs_device: bo
     ``scene`` is the default of --scene.
     """
     parser.appendix = lambda: parameter_table(baseline())
+    with_device = "" if needs_device else " with --device"
     add = parser.add_argument
     words = "file of the device, with numbers in SI units or with units as in docs/peg.yaml; --set "
     words += "and --horizon are then read in the same way (12 N, 0.8 mm); answers are in SI units"
@@ -54,19 +55,22 @@ def add_model_options(parser: Any, scene: str = "alignment", *, needs_device: bo
     words += "default); the part rests under a slow press, then is vibrated (pressed); or it is "
     words += "lowered at approach_speed, vibrating (running) or not (still). With --device, state "
     words += "approach_speed and vibrator in the file or by --set"
-    add("--start", choices=get_args(Start), help=words)
+    # Hidden where a device is needed: there it is refused, with what to write instead.
+    add("--start", choices=get_args(Start), help=argparse.SUPPRESS if needs_device else words)
     words = "round part in a round hole, or square part beside a slot, as in the paper (default: "
-    words += "as the device's file states, round if it states none; square without --device)"
+    words += "as the device's file states, round if it states none"
+    words += ")" if needs_device else "; square without --device)"
     add("--shape", choices=get_args(Shape), help=words)
     words = "how far a run is followed: to alignment, or to insertion, jamming or climbing out "
     words += f"(default: {scene})"
     add("--scene", choices=list(SCENES), help=words)
     parser.set_defaults(usual_scene=scene)
-    words = "depth at which a part counts as inserted, in metres with --device; needs --scene "
+    words = f"depth at which a part counts as inserted, in metres{with_device}; needs --scene "
     words += "insertion (default: half of what the press reaches, and at most the half-width)"
     add("--insertion-depth", metavar="DEPTH", help=words)
-    words = "latest time until alignment, and as long again until insertion; in seconds with "
-    words += "--device, else in units of 1/p (default: 300/p)"
+    words = "latest time until alignment, and as long again until insertion; in seconds"
+    words += "" if needs_device else " with --device, else in units of 1/p"
+    words += " (default: 300/p)"
     add("--horizon", metavar="H", help=words)
     add("--tolerance", metavar="T", help="largest local error of a step (default: 1e-10)")
 
@@ -212,14 +216,14 @@ def _settings(arguments: argparse.Namespace, *, stated: bool) -> Settings:
 
 
 def parameter_table(device: Parameters) -> str:
-    """List name, symbol, default, SI unit and meaning of every quantity that a device states."""
-    rows = [("name", "symbol", "default", "SI unit", "meaning")]
+    """List name, symbol, value, SI unit and meaning of every quantity that a device states."""
+    rows = [("name", "symbol", "paper's", "SI unit", "meaning")]
     for name, field in FIELDS.items():
         value = getattr(device, name)
-        default = f"as {field.derived}" if value is None else f"{value:g}"
+        paper = f"as {field.derived}" if value is None else f"{value:g}"
         rule = field.rule.removeprefix("must be a finite number").removeprefix(",").strip()
         words = field.description + (f"; {rule}" if rule else "")
-        rows.append((name, field.symbol, default, field.quantity.unit, words))
+        rows.append((name, field.symbol, paper, field.quantity.unit, words))
     lines = ["parameters that --set takes, each a finite number:", *in_columns(rows)]
     others = [name for name in QUANTITIES if name not in FIELDS or name in MOUTH]
     units = [(name, unit_of(name), quantity_of(name)[0]) for name in others]

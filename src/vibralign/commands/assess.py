@@ -60,14 +60,15 @@ def add(commands: Any) -> None:
         _assess,
         "assess the reliability and speed of a device, its leeways and its yield",
         ". A reliable device goes in (or aligns, with --scene alignment) from every phase of the "
-        "excitation and initial tilt tried; if its file states no base, also on every base tried, "
-        "from 100 times its axial stiffness up to steel. Each parameter is varied, the others "
-        "held, by up to a factor of four or until the device is not reliable. If the file states "
-        "tolerances, devices are drawn within them: assess prints their yield, and what is to "
-        "blame for failures. If it states ranges of unknown quantities, assess prints for which "
-        "share of what is possible the device is reliable, what decides, and what to measure.",
-        epilog="exit code: 0 the device was assessed; 1 with --require, the yield is too low or a "
-        "limit of the file is exceeded; 2 bad input",
+        "excitation, tilt and approach tried; if its file states no base, also on every base "
+        "tried, from 100 times its axial stiffness up to steel. Each parameter is varied, the "
+        "others held, by up to a factor of four or until the device is not reliable. If the file "
+        "states tolerances, devices are drawn within them: assess prints their yield, and what is "
+        "to blame for failures. If it states ranges of unknown quantities, assess prints for "
+        "which share of what is possible the device is reliable, what decides, and what to "
+        "measure.",
+        epilog="exit code: 0 the device was assessed; 1 with --require, the yield or the "
+        "share of what is possible is too low, or a limit of the file is exceeded; 2 bad input",
     )
     add = parser.add_argument
     words = "exit with 1 unless, with 95 %% confidence, the yield is at least this, or the share "

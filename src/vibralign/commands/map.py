@@ -50,8 +50,8 @@ def add(commands: Any) -> None:
         _map,
         "map outcome, duration and reliability of a device over two parameters",
         ". Every node of a grid is computed. A reliable device "
-        "goes in (or aligns, with --scene alignment) from every phase of the excitation and "
-        "initial tilt tried; they are tried at every few nodes only.",
+        "goes in (or aligns, with --scene alignment) in every case that `vibralign assess` tries; "
+        "they are tried at every few nodes only.",
         epilog="exit code: 0 the map was made; 1 it could not be written; 2 bad input",
     )
     add = parser.add_argument

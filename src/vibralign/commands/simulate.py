@@ -46,7 +46,8 @@ def add(commands: Any) -> None:
         "simulate",
         _simulate,
         "run one device and print its outcome and results",
-        ". With --device, values are read and printed in SI units, else dimensionless.",
+        ". With --device, values are read and printed in SI units; without, the paper's device "
+        "runs, dimensionless.",
         epilog="exit code: 0 the run ended, with any outcome; 1 it failed; 2 bad input",
     )
     add_model_options(parser, needs_device=False)
