@@ -32,9 +32,9 @@ ALSO_WRONG = 50385  # of another seed: it is aligned for 1e-8 of a step only
 SETTLES_STICKING = (62, 21603)  # of that seed, within a step
 # These were wrong too: a tilt of 1e-7 decides them, so that they must be sensitive or fail.
 NEARLY_FLAT = (137368, 147806, 634297, 689932, 734897, 814978, 875933, 1027689)
-# Of the insertion scene; docs/measurements.md lists the causes. Carried error too small, inserted
-# as the part falls in, sensitive, missed by the reference engine, settled in one engine only; an
-# edge's return not seen, sensitive where a neighbour decides, and jammed by chance.
+# Of the insertion scene, by cause: carried error too small, inserted as the part falls in,
+# sensitive, missed by the former engine, settled in one engine only; an edge's return not seen,
+# sensitive where a neighbour decides, and jammed by chance.
 ONCE_WRONG_IN_SLOT = (
     24813, 51099, 72020, 35053, 50366, 99830, 8382, 16213, 17103, 38056, 80389,
     18624, 29640, 30541, 58259, 85461, 90745, 59380,

@@ -1,1 +1,1 @@
-"""Engines: integrate runs from event to event."""
+"""The engine: it integrates runs from event to event."""

@@ -33,7 +33,7 @@ class Study(Strict):
     accuracy: Accuracy
     """Trials of the integrator's accuracy on random sets."""
     precision: Precision
-    """Comparison of the methods' cost against their error."""
+    """Error against cost: operating points, hard cases, tolerances."""
     identification: Identification
     """The search for the parameters that the paper leaves unstated."""
     evidence: Evidence

@@ -1,1 +1,1 @@
-"""The explorer: one self-contained page that runs the engines, draws a run and maps outcomes."""
+"""The explorer: one self-contained page that runs the engine, draws a run and maps outcomes."""

@@ -1,4 +1,4 @@
-"""The unvibrated control of a run: how it ends, against one run of the reference engine."""
+"""The unvibrated control of a run: how it ends, against one run of `simulate`."""
 
 import numpy as np
 import pytest

@@ -151,7 +151,7 @@ def test_a_case_is_the_device_that_set_states(tmp_path):
 
 
 def test_forces_are_those_of_all_places_in_every_command(tmp_path):
-    """Of assess, of drawn devices, and of the reference engine's runs of the same cases."""
+    """Of assess, of drawn devices, and of single runs of the same cases."""
     for number, origin in ((0, SQUARE), (1, SQUARE), (2, ROUND), (3, ROUND)):
         device = load_device(random_device(tmp_path, number, origin, friction="± 10 %"))
         cases = cases_of(device, FEW)
