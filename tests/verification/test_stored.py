@@ -15,7 +15,7 @@ def test_the_study_finds_all_its_solutions():
     keys = {name: key_of(*case) for name, case in CASES.items()}
     assert len(set(keys.values())) == len(CASES)
     missing = [name for name, key in keys.items() if key not in stored._stored()]
-    assert not missing, "python -m verification.independent.stored"
+    assert not missing, "python -m verification.bench.store"
 
 
 @pytest.mark.parametrize(

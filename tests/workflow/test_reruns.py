@@ -47,8 +47,7 @@ MORE_EDITS = [
     ("workflow/scripts/merge.py", *EDIT, {"merge", *DRAWN}),
     ("src/study/config/methods.py", "gt=0.0", "gt=1e-9",
      {*METHODS, "explorer", *WEIGHED}),
-    # The stored independent solutions are of the cases of the whole configuration.
-    ("src/study/config/accuracy.py", *EDIT, {"precision", "explorer", *WEIGHED}),
+    ("src/study/config/accuracy.py", *EDIT, {"explorer", *WEIGHED}),
     ("src/model/sweeps/settings.py", *EDIT, COMPUTED),
     ("src/model/sweeps/files.py", "0o666", "0o660", EVERYTHING),
     ("src/model/sweeps/sweep.py", *EDIT, STORED),

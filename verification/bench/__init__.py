@@ -25,4 +25,5 @@ rounds in which all methods take turns. Results: the table on the terminal, and
 - ``equations``: the peers' own statement of the physics, its modes and events
 - ``trajectories``: the problems
 - ``table``: settings, times and ratios
+- ``store``: keeps the independent solutions of the study's cases
 """

@@ -1,8 +1,8 @@
 """Independent solutions that are kept, by a hash of what is solved and of the code that solves it.
 
 A solution takes up to some seconds, and is the same in every build. ``python -m
-verification.independent.stored`` solves the cases of the study anew, after an edit of a case or of
-the solver, and writes stored.csv; what is not in it is solved when it is asked for.
+verification.bench.store`` solves the cases of the study anew, after an edit of a case or of the
+solver, and writes stored.csv; what is not in it is solved when it is asked for.
 """
 
 import ast
@@ -15,9 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from model.physics.parameters import Parameters
-from study.config import load_study, study_path
 from study.outline import outline
-from verification.bench.plans import independent_cases
 from verification.independent.solution import Solution, solve
 
 TABLE = Path(__file__).with_suffix(".csv")
@@ -60,18 +58,3 @@ def solution_of(parameters: Parameters, horizon: float) -> Solution:
     """
     found = _stored().get(key_of(parameters, horizon))
     return solve(parameters, horizon) if found is None else found
-
-
-def main() -> None:
-    """Write the table: some 20 seconds."""
-    rows = [["key", "ending", "time", "tau", "x", "y", "tilt", "x_rate", "y_rate", "tilt_rate"]]
-    for parameters, horizon in independent_cases(load_study(study_path())).values():
-        found = solve(parameters, horizon)
-        numbers = [repr(float(each)) for each in (found.time, found.tau, *found.state)]
-        rows.append([key_of(parameters, horizon), found.ending, *numbers])
-    with TABLE.open("w", newline="", encoding="utf-8") as file:
-        csv.writer(file, lineterminator="\n").writerows(rows)
-
-
-if __name__ == "__main__":
-    main()
