@@ -20,7 +20,7 @@ rule page_engines:
     params:
         *code("page_engines"),
     message:
-        "compiling the engines for the explorer"
+        "compiling the engine for the explorer"
     script:
         "../scripts/page_engines.py"
 

@@ -1,4 +1,4 @@
-"""Make the explorer of the study: the page that runs the engines."""
+"""Make the explorer of the study: the page that runs the engine."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-// The page: reads the address, runs the engines, draws, and follows what the reader does.
+// The page: reads the address, runs the engine, draws, and follows what the reader does.
 
 // A number that is not given is null in JSON.
 const MODEL = JSON.parse(
@@ -24,7 +24,7 @@ const measured = { map: 0 };
 
 // ---------------------------------------------------------------- running
 
-/** Return a set as the engines take it. @param {Record<string, number>} values @returns {number[]} */
+/** Return a set as the engine takes it. @param {Record<string, number>} values @returns {number[]} */
 const setOf = (values) => Object.values(asParameters(values, MODEL));
 
 /** Return the control of a run; a horizon in seconds is the same for all units. @param {Record<string, number>} values @returns {Record<string, number>} */

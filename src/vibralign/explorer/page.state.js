@@ -29,7 +29,7 @@ function pairOf({ half_width: half, clearance, peg_chamfer: own = 0, hole_chamfe
   return own || mouth ? { half_width: face, clearance: (half * (1 + clearance) + mouth) / face - 1 } : { half_width: half, clearance };
 }
 
-/** Return a device's values with its start as the engines take it (mouth.py): the mass centre is over the middle of the face, and the springs are relaxed there. @param {Record<string, number>} values @returns {Record<string, number>} */
+/** Return a device's values with its start as the engine takes it (mouth.py): the mass centre is over the middle of the face, and the springs are relaxed there. @param {Record<string, number>} values @returns {Record<string, number>} */
 function startOf(values) {
   const { misalignment, half_height: height, gripper_tilt: tilt } = values;
   if (tilt === undefined) return values;
@@ -37,7 +37,7 @@ function startOf(values) {
   return { ...values, ...pairOf(values), ...start };
 }
 
-/** Return the parameters as the engines take them, dimensionless, in their order. @param {Record<string, number>} values @param {any} model @returns {Record<string, number>} */
+/** Return the parameters as the engine takes them, dimensionless, in their order. @param {Record<string, number>} values @param {any} model @returns {Record<string, number>} */
 function asParameters(values, model) {
   const start = startOf(values), quantities = byName(model.parameters);
   // A parameter that is not shown is an angle, or is not given.
