@@ -87,6 +87,14 @@ def test_files_that_a_page_names_exist(page):
         assert (REPOSITORY / file).exists(), file
 
 
+def test_code_that_a_page_includes_exists():
+    page = DOCS / "reference/configuration.md"
+    shown = re.findall(r"literalinclude} (.*)\n:[\w-]+: (.*)", page.read_text(encoding="utf-8"))
+    assert len(shown) >= 8
+    for file, first in shown:
+        assert first in (page.parent / file).read_text(encoding="utf-8"), (file, first)
+
+
 @pytest.mark.parametrize("name", ["README.md", "CONTRIBUTING.md", "CHANGELOG.md"])
 def test_links_and_files_of_the_top_pages_exist(name):
     text = (REPOSITORY / name).read_text(encoding="utf-8")
