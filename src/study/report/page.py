@@ -1,4 +1,4 @@
-"""The page: its sections in order; methods and tables are folded."""
+"""The page: its sections in order; background and tables are folded."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
