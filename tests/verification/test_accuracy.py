@@ -185,24 +185,22 @@ def test_what_is_chaotic_may_align_at_one_tolerance_only():
 
 
 @pytest.mark.parametrize(
-    ("later", "moved", "repeats", "wrong"),
+    ("later", "moved", "wrong"),
     [
-        (Outcome.HORIZON_REACHED, 1e-6, -1, False),
-        (Outcome.HORIZON_REACHED, 2 * FARTHEST, -1, True),
-        (Outcome.HORIZON_REACHED, np.nan, 1, False),
-        (Outcome.HORIZON_REACHED, np.nan, 0, True),
-        (Outcome.ALIGNED, 1e-6, -1, True),
-        (Outcome.LEFT_SCENE, 1e-6, -1, True),
-        (Outcome.FAILED, np.nan, 1, True),
+        (Outcome.HORIZON_REACHED, 1e-6, False),
+        (Outcome.HORIZON_REACHED, 2 * FARTHEST, True),
+        (Outcome.HORIZON_REACHED, np.nan, True),
+        (Outcome.ALIGNED, 1e-6, True),
+        (Outcome.LEFT_SCENE, 1e-6, True),
+        (Outcome.FAILED, np.nan, True),
     ],
 )
-def test_a_settled_set_that_goes_elsewhere_is_wrong(later, moved, repeats, wrong):
+def test_a_settled_set_that_goes_elsewhere_is_wrong(later, moved, wrong):
     table = {
         "set": np.array([0, 1]),
         "outcome": np.array([int(Outcome.SETTLED), int(Outcome.ALIGNED)]),
         "later_outcome": np.array([int(later), -1]),
         "later_moved": np.array([moved, np.nan]),
-        "repeats": np.array([repeats, -1]),
     }
     assert is_wrong(table).tolist() == [wrong, False]
     named = {check.what: check for check in judge_settled(table)}["wrongly settled"]

@@ -164,12 +164,14 @@ def ran_once(problem: Problem, settings: Settings) -> Solution:
     return Solution(np.array(tau), np.array(states), evaluations)
 
 
-def last_state(settings: Settings, row: Floats, tolerance: float) -> tuple[RunResult, Floats]:
+def last_state(
+    settings: Settings, row: Floats, tolerance: float, *, carries_error: bool = False
+) -> tuple[RunResult, Floats]:
     """Return the result of one run, and the state at its end, shape (6,).
 
     ``simulate`` would return the whole trajectory: half a gigabyte for 100,000 periods.
     """
-    result, memory = run_alone(row, tolerance, settings)
+    result, memory = run_alone(row, tolerance, settings, carries_error=carries_error)
     return result, memory.runs[0, STATE : STATE + STATE_SIZE].copy()
 
 
