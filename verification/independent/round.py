@@ -9,6 +9,7 @@ across the normal in the plane. Side and lowest point of the rim touch as those 
 import cmath
 import math
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -135,12 +136,9 @@ class RoundRun(Run):
                     -tips.along - d.a, -tips.middle,
                 )  # fmt: skip
 
-            def beside(at: Body, side: int = side) -> Any:
-                return d.beside(side, at)
-
             add(f"{name} tips", meets)
             if side == LEFT or not (mode.edge == RIGHT and mode.corner != "off"):
-                add(f"{name} enters", beside)
+                add(f"{name} enters", partial(d.beside, side))
         if mode.face != "off":
             add("face end", lambda at: d.a - d.tips(mode.edge, at).along)
             add("face far", lambda at: d.a + d.tips(mode.edge, at).along)
